@@ -603,14 +603,15 @@ impl<S: Scalar> ContactLaw<S> {
         // It follows a column that rests beside it, and a hand that leans on a stop, which changes the torque.
         let slow = S::select(touches, h.times(1.0 / PLACE_S).min(one), zero);
         let here = (column - now.place).abs().less(self.near);
-        // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn may be too weak for a push,
-        // and the last push long over.
-        let largest = |of_turn, of_push| S::select(turns_on, of_turn, of_push);
+        // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn or a blow may be too weak for a
+        // push, and the last push long over.
+        let weak = thrown & !zero.less(now.push.abs());
+        let largest = |of_turn, of_push, now| S::select(weak, now, S::select(turns_on, of_turn, of_push));
         let beside = now.place + S::select(here, (column - now.place) * slow, zero);
-        let place = S::select(noticed, largest(now.turn_angle, now.extreme_angle), beside);
+        let place = S::select(noticed, largest(now.turn_angle, now.extreme_angle, angle), beside);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
         let settling = now.place_torque + (torque - now.place_torque) * slow;
-        let place_torque = S::select(noticed, largest(now.turn, now.extreme), settling);
+        let place_torque = S::select(noticed, largest(now.turn, now.extreme, torque), settling);
 
         let (from, near) = (column - place, self.near.times(HERE));
         let (gone, loose) = if S::any(touches) {

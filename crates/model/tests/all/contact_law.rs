@@ -220,9 +220,9 @@ fn a_feel_that_runs_ahead_is_held_at_its_lead() {
     assert_eq!(held_out, [0.2, 0.0], "by a hand that is stronger than the drive");
 }
 
-/// The share of the contact 7 ms after a torque against the motion began to rise by `rise`, in N m per ms, at a column that moves at `rate` in
+/// The share of the contact, and how far the column is from its place, 7 ms after a torque against the motion began to rise by `rise`, in N m per ms, at a column that moves at `rate` in
 /// rad/s and slows down by `slows`, and a feel that does by `turns`, in rad/s per ms.
-fn struck(rise: f64, rate: f64, [slows, turns]: [f64; 2]) -> f64 {
+fn struck(rise: f64, rate: f64, [slows, turns]: [f64; 2]) -> [f64; 2] {
     let mut state = free();
     let [mut column, mut feel] = [[0.0, rate]; 2];
     for step in 0..214 {
@@ -237,16 +237,18 @@ fn struck(rise: f64, rate: f64, [slows, turns]: [f64; 2]) -> f64 {
         let torque = -1e3 * rise * since.max(0.0);
         (state, _) = law().noticed((torque, None), ([column[0], feel[0], feel[1]], None, true), state, [H, 1.0 / H]);
     }
-    state.share
+    [state.share, column[0] - state.place]
 }
 
 #[test]
 fn a_column_that_a_stop_ahead_of_its_feel_slows_down_is_in_contact_while_the_torque_rises() {
-    assert_eq!(struck(40.0, 1.0, [0.3, 2.0]), 1.0);
-    assert_eq!(struck(40.0, 1.0, [0.3, 0.3]), 0.0, "under a hand the feel turns with its column");
-    assert_eq!(struck(40.0, 1.0, [0.0, 0.2]), 0.0, "an arm swings with a light column, which does not slow down");
-    assert_eq!(struck(1.0, 0.3, [0.03, 0.5]), 1.0, "of a light column, before the torque is a push");
-    assert_eq!(struck(1.0, 1.0, [0.03, 0.5]), 0.0, "as soft as an arm");
+    assert_eq!(struck(40.0, 1.0, [0.3, 2.0])[0], 1.0);
+    assert_eq!(struck(40.0, 1.0, [0.3, 0.3])[0], 0.0, "under a hand the feel turns with its column");
+    assert_eq!(struck(40.0, 1.0, [0.0, 0.2])[0], 0.0, "an arm swings with a light column, which does not slow down");
+    assert_eq!(struck(1.0, 0.3, [0.03, 0.5])[0], 1.0, "of a light column, before the torque is a push");
+    assert_eq!(struck(1.0, 1.0, [0.03, 0.5])[0], 0.0, "as soft as an arm");
+    // The column has moved by 0.03 rad since the last push.
+    assert!(struck(1.0, 0.3, [0.03, 0.5])[1].abs() < 2e-3);
 }
 
 /// Whether pushes of 60 ms are a contact's that throw a column of 6 rad/s back, so many, one each period, on one side or on either in turn.
