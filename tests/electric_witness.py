@@ -290,7 +290,8 @@ class Touch:
             (lead_before - self.lead) / h * way,
         )
         slows = abs(self.rate) > 0.05 and (self.rate - turns) * way > 0.05
-        return rises and slows and turns_faster > 0.1 and against * turns_faster > 0.12 * self.least
+        moves_freely = self.share < 0.5
+        return moves_freely and rises and slows and turns_faster > 0.1 and against * turns_faster > 0.12 * self.least
 
     def notice(self, h, torque, column, feel):
         """Whether there is contact at a sample."""

@@ -31,8 +31,9 @@
 //!   1 rad/s. So a light feel swings against a soft stop, and the column follows it as well as under a hand;
 //! - sixteen slower swings in a row, up to `2 t_q`, as stiff, none weaker than the last: a heavy feel on a stiff spring;
 //! - a torque against the motion that rises by more than `0.2 K_e` per radian and turns the feel round faster than the column, by 0.1 rad/s and
-//!   with a power beyond `0.12 T_min` times 1 rad/s, while the column slows down: it struck something. A stop takes the momentum of the whole
-//!   column, which throws a feel of less inertia back, and the drive would throw the column after it. Under a hand the feel turns with the column;
+//!   with a power beyond `0.12 T_min` times 1 rad/s, while the column slows down and `m < 0.5`: it struck something. A stop takes the momentum
+//!   of the whole column, which throws a feel of less inertia back, and the drive would throw the column after it. Under a hand the feel turns with
+//!   the column;
 //! - a push against the motion, shorter than `0.9 t_q`, that has risen by more than `K_e` per radian since it began and has fallen as stiffly, the
 //!   column thrown back 1.6 times as fast as it came at most; or over within a third of `t_q`, and it has turned the motion: a feel that is
 //!   heavier than the column. The push of another column over a shaft falls while the column turns, but rises along its way;
@@ -526,7 +527,9 @@ impl<S: Scalar> ContactLaw<S> {
     #[inline(always)]
     fn throws_back(&self, now: &ContactState<S>, [now_rate, lead_rate]: [S; 2], threshold: S) -> S::Mask {
         let one = now_rate.constant(1.0);
-        let throws = threshold.times(THROWS).less(now.torque * lead_rate) & one.zero().less(self.threshold);
+        let throws = threshold.times(THROWS).less(now.torque * lead_rate)
+            & one.zero().less(self.threshold)
+            & now.share.less(one.times(0.5));
         // The way back, which the feel begins.
         let back = one.times_sign(now.torque);
         let turns_faster = one.times(THROWN_RAD_PER_S).less(lead_rate * back);

@@ -142,7 +142,7 @@ CONTACTS = (
     *(Contact(True, k, _LITTLE) for k in (1e3, SOFT_STOP, 1e4, 1e5, 1e6)),
     *_DAMPED,
 )
-"""Contacts of an envelope. Of 4 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 3 do so in one of these;
+"""Contacts of an envelope. Of 3 settings that swing on in one of the 48 of ``benchmarks/contact.py``, 2 do so in one of these;
 with 1 lb of dry friction, 41 of 55."""
 
 FEW_CONTACTS = Contact(False, 1e4, _LITTLE), Contact(False, 1e5, _LITTLE), Contact(True, 1e6, _LITTLE)
