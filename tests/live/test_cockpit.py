@@ -91,7 +91,9 @@ def test_axes_of_different_periods_run_on_one_clock(tmp_path):
         cockpit["roll"].hand_force_n = 20.0
         cockpit.wait(2000)
         rows = columns(cockpit["roll"])
-        assert cockpit["pitch"].state.cycle == pytest.approx(2 * cockpit["roll"].state.cycle, abs=2000)  # both count on
+        # They count on while they are read: the machine may pause the reader in between.
+        before, roll, after = (cockpit[axis].state.cycle for axis in ("pitch", "roll", "pitch"))
+        assert before - 2000 <= 2 * roll <= after + 2000
         assert rows["time_s"][-1] == pytest.approx(1e-3 * rows["cycle"][-1])
         assert rows["column_angle_rad"][-1] > 0.01
 
