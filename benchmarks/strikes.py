@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from contact import LOADERS, settings
 
-from forcefeel.envelope.contact import STOP_RAD, Contact
+from forcefeel.envelope.contact import Contact
 from forcefeel.envelope.strike import strikes
 from forcefeel.laws.law import Law
 from forcefeel.loader.built_in import BUILT_IN
@@ -42,7 +42,7 @@ def main() -> None:
         law = Law.of(options.law, loader, feel)
         laws = {"free": law.without_contact(), "contact": law}
         for stop, rate, (kind, each) in product(STOPS, RATES, laws.items()):
-            struck = strikes(stop.on(loader), each, feel, STOP_RAD, rate, threads=None)
+            struck = strikes(stop.on(loader), each, feel, rate, threads=None)
             ratio = struck.back / struck.came
             counts = np.array([struck.thrown_back.sum(), (ratio > FASTER).sum(), np.isfinite(ratio).sum()])
             total[kind] = total.get(kind, 0) + counts

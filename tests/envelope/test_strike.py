@@ -48,7 +48,7 @@ def light():
 def test_a_stop_throws_a_light_feel_back_only_without_the_part_for_contact(light) -> None:
     loader, feel, law = light
     there = STEEL.on(loader)
-    with_it, without = (strikes(there, each, feel, STOP_RAD, threads=1) for each in (law, law.without_contact()))
+    with_it, without = (strikes(there, each, feel, threads=1) for each in (law, law.without_contact()))
     assert not with_it.thrown_back.any()
     assert without.thrown_back.all()
     assert (without.back > 3 * without.came).all()
@@ -56,7 +56,7 @@ def test_a_stop_throws_a_light_feel_back_only_without_the_part_for_contact(light
 
 def test_rates_are_those_of_a_single_run(light) -> None:
     loader, feel, law = light
-    struck = strikes(STEEL.on(loader), law, feel, STOP_RAD, threads=1)
+    struck = strikes(STEEL.on(loader), law, feel, threads=1)
     there = STEEL.on(loader).replace(dict(zip(FEEL_SETTING, feel[1].tolist(), strict=True)), si=True)
     force = ff.Step(f"{push_n(loader, feel, STOP_RAD)[1]} N")
     run = ff.simulate(there, ff.Scenario(force, duration_s=0.4), law.some(np.array([1]))).history
@@ -69,7 +69,7 @@ def test_rates_are_those_of_a_single_run(light) -> None:
 def test_a_column_that_comes_to_no_stop_strikes_nothing(light) -> None:
     loader, feel, _ = light
     heavy = 100 * feel
-    struck = strikes(STEEL.on(loader), ff.Law.of("robust", loader, heavy), heavy, STOP_RAD, threads=1)
+    struck = strikes(STEEL.on(loader), ff.Law.of("robust", loader, heavy), heavy, threads=1)
     assert np.isnan(struck.came).all()
     assert not struck.thrown_back.any()
 

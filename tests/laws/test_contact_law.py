@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.envelope.contact import Contact, swings_on
+from forcefeel.envelope.contact import STOP_RAD, Contact, swings_on
 from forcefeel.envelope.settings import ListedSettings
+from forcefeel.envelope.strike import push_n, strikes
 from forcefeel.laws.sampled.contact_law import torque_noise
 from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
 from tests import electric_witness as witness
 from tests.parametrization import mostly_slow
@@ -263,6 +265,23 @@ def test_an_independent_integrator_finds_the_same_strike_and_the_same_rest() -> 
     depth = angle.max() - np.radians(5.0)
     assert depth > 1e-3  # it struck, with some 80 N
     assert np.abs(angle - found).max() < 0.01 * depth
+
+
+RATE_SHARE = 0.01
+"""Of a rate from angles 0.5 ms apart, beside one in between."""
+
+
+def test_an_independent_integrator_finds_the_same_rate_from_a_stop() -> None:
+    free = ff.loader.electric("elevator-electric").replace(QUIET | {"motor.cogging_torque": 0.0}, si=True)
+    inertia, omega = 0.1 * free["column.inertia"], 3 * np.pi
+    feel = np.array([[inertia, 0.6 * omega * inertia, omega**2 * inertia]])
+    there = Contact(True, 1e5, 0.1).on(free).replace(dict(zip(FEEL_SETTING, feel[0].tolist(), strict=True)), si=True)
+    law, force = ff.Law.of("robust", there), push_n(there, feel, STOP_RAD)[0]
+    struck = strikes(there, law, feel, threads=1)
+    angle = witness.simulate(there, law.sampled, lambda _: force, 0.4)["column_angle_rad"]
+    rate, hit = np.gradient(angle, 5e-4), int(np.argmax(angle >= STOP_RAD))
+    assert struck.came[0] == pytest.approx(rate[:hit].max(), rel=RATE_SHARE)
+    assert struck.back[0] == pytest.approx(-rate[hit:].min(), rel=RATE_SHARE)
 
 
 def test_an_independent_integrator_finds_the_same_feel_that_is_kept_near_its_column() -> None:

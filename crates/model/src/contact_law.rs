@@ -127,8 +127,8 @@ const FAST_RAD_PER_S: f64 = 1.0;
 /// By how much in rad/s a feel turns round faster than a column that struck something.
 const THROWN_RAD_PER_S: f64 = 0.1;
 
-/// Power that does so, over `T_min` times 1 rad/s: a light column that strikes a soft stop causes less torque than `T_min`, and throws its feel all the
-/// faster. An arm of such a column causes 0.1.
+/// Power that does so, over `T_min` times 1 rad/s: a light column that strikes a soft stop causes less torque than `T_min`, and throws its feel all
+/// the faster. An arm of such a column causes 0.1.
 const THROWS: f64 = 0.12;
 
 /// Share of `K_e` by which the torque rises per radian: an arm alone is softer, one that swings with its column looks stiffer.
@@ -609,7 +609,7 @@ impl<S: Scalar> ContactLaw<S> {
         // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn or a blow may be too weak for a
         // push, and the last push long over.
         let weak = thrown & !zero.less(now.push.abs());
-        let largest = |of_turn, of_push, now| S::select(weak, now, S::select(turns_on, of_turn, of_push));
+        let largest = |of_turn, of_push, here| S::select(weak, here, S::select(turns_on, of_turn, of_push));
         let beside = now.place + S::select(here, (column - now.place) * slow, zero);
         let place = S::select(noticed, largest(now.turn_angle, now.extreme_angle, angle), beside);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));

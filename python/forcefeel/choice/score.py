@@ -197,7 +197,7 @@ def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None
 
 
 def _quiet(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int | None) -> float:
-    """Share of the settings that swing on in none of ``FEW_CONTACTS``."""
+    """Share of the settings that are quiet in all of ``FEW_CONTACTS``."""
     return float(quiet_in_few(plan.loader, laws, feel, threads=threads).mean())
 
 

@@ -8,7 +8,7 @@ The load cell's force at the grip is judged likewise, since a column may hold st
 what the sensors' noise makes of it while nothing touches the column, and by what compensating the column's dry friction takes.
 A column that friction or a firm feel holds short of the stop is in no contact, whatever its load cell shows.
 
-A setting is quiet that does not swing on, and that the stop does not throw back as it strikes it.
+A setting is quiet if it does not swing on, and if no stop throws the column back that a hand pushes into it (``strike``).
 """
 
 from collections.abc import Iterator, Mapping
@@ -157,7 +157,7 @@ class ContactShares:
         law: Its name.
         quiet: Share of the settings that swing on in no contact, and that no stop throws back.
         thrown_back: Share of the settings that a stop throws back.
-        fastest_return: Largest rate away from a stop, of that with which the setting strikes it; NaN if none strikes one.
+        fastest_return: Largest rate away from a stop over the rate at which it is struck; NaN if none is.
         largest_force_n: Largest force of any contact with any setting.
         by_contact: Share of the settings that are quiet, by the name of the contact.
 
@@ -208,7 +208,7 @@ class Touched:
         largest_force_n: Largest force of the contact.
         margin: How far the swing in the end, or the rate away from a stop, is below its limit, as a share of that.
         thrown_back: Whether a stop throws each back.
-        returns: Rate away from a stop, of that with which each strikes it; NaN where none is struck.
+        returns: Rate away from a stop over the rate at which each strikes it; NaN where none is struck.
     """
 
     swings_on: NDArray[np.bool_]
@@ -228,7 +228,7 @@ def touch(loader: Loader, law: Law, feel: NDArray[np.float64], contact: Contact,
     touched = _touch(loader, law, feel, contact, threads)
     if not contact.stop:
         return touched
-    struck = strikes(contact.on(loader), law, feel, STOP_RAD, threads=threads)
+    struck = strikes(contact.on(loader), law, feel, threads=threads)
     margin = np.fmin(touched.margin, 1 - struck.of_limit)
     return replace(touched, margin=margin, thrown_back=struck.thrown_back, returns=struck.back / struck.came)
 

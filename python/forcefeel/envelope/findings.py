@@ -116,7 +116,7 @@ def _in_contact(envelope: Envelope, name: str, units: UnitSystem) -> str:
     count = len(envelope.plan.contacts)
     if shares.quiet == 1:
         returns = (
-            f" A stop returns a column with up to {_times(shares.fastest_return)} its rate."
+            f" A stop returns a column at up to {_times(shares.fastest_return)} its rate."
             if not isnan(shares.fastest_return)
             else ""
         )
@@ -125,8 +125,8 @@ def _in_contact(envelope: Envelope, name: str, units: UnitSystem) -> str:
     worst = min(shares.by_contact, key=shares.by_contact.__getitem__)
     force = f"{to_text(FORCE.from_si(shares.largest_force_n, units), 3)} {FORCE.shown(units)}"
     thrown = (
-        f" A stop throws {share_text(shares.thrown_back)} of the settings back, with up to {_times(shares.fastest_return)} "
-        "the rate with which they struck it."
+        f" A stop throws the column back at {share_text(shares.thrown_back)} of the settings, at up to "
+        f"{_times(shares.fastest_return)} the rate at which it is struck."
         if shares.thrown_back
         else ""
     )

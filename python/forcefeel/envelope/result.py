@@ -226,7 +226,7 @@ class Envelope:
             ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..), and ``off`` (machine, parameter), the deviation of each
             parameter as a share of its value. With contacts also, over (law,
             contact, ..), ``swings_on``, ``thrown_back`` and ``contact_inferred``, and NaN where inferred: ``largest_force_n`` and
-            ``returns``, the rate away from a stop, of that with which the column strikes it, NaN in a clamp too.
+            ``returns``, the rate away from a stop over the rate at which the column strikes it, NaN in a clamp too.
             ``data`` is the same as a data set of xarray.
         outcomes: ``passes``, ``unstable``, then the figures that can fail first, by the rule's names.
         passivity: Passivity of the grip, by law.

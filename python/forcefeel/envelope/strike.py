@@ -4,11 +4,11 @@ A constant force takes the programmed feel to the stop at a rate, here 1 rad/s, 
 
     I delta'' + B delta' + G delta = R_p (F - F_b)
 
-``F_b`` is the feel's breakout and dry friction. Without limits of the drive the feel is at the stop where
-``delta' / delta`` has fallen to the rate over the stop's angle, whatever the force; the force follows from ``delta`` there.
+``F_b`` is the feel's breakout and dry friction. In the feel's step response ``delta' / delta`` falls with time, whatever the force:
+the feel is at the stop where it has fallen to the rate over the stop's angle. The force follows from ``delta`` there.
 
 A stop takes the momentum of the whole column. Where the feel has less inertia, its law may give the column more speed than it came
-with. A stop alone returns no more, and of a spring released at the stop comes ``omega delta`` at most.
+with. A stop alone returns it at that speed at most, and the feel's spring at ``omega delta``.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ RATE_RAD_PER_S = 1.0
 """57 deg/s: fast for a hand that moves a column to its stop; at higher rates the drive adds less."""
 
 THROWN_BACK = 2.0
-"""A column is thrown back that leaves the stop more than so many times as fast as it came, or as its feel alone would at most."""
+"""A column is thrown back that leaves the stop more than so many times as fast as it came, and as its feel alone would at most."""
 
 MOST_N = 600.0
 """Largest force of a hand."""
@@ -47,7 +47,7 @@ class Strikes:
     Attributes:
         came: Largest rate of the column on its way, rad/s; NaN where it does not strike.
         back: Largest rate away from the stop, likewise.
-        of_limit: Share of ``back`` of the least rate at which the column counts as thrown back, likewise.
+        of_limit: ``back`` over the rate beyond which the column counts as thrown back, likewise.
     """
 
     came: _Array
@@ -81,12 +81,12 @@ def strikes(
     there: Loader,
     law: Law,
     feel: _Array,
-    stop_rad: float,
     rate_rad_per_s: float = RATE_RAD_PER_S,
     *,
     threads: int | None,
 ) -> Strikes:
-    """The settings I, B, G (settings, 3) of a loader with a stop, struck at a rate."""
+    """The settings I, B, G (settings, 3) of a loader that strike its upper end stop at a rate."""
+    stop_rad = float(there["column.stop_high"])
     force = push_n(there, feel, stop_rad, rate_rad_per_s)
     rows = there.rows(FEEL_SETTING, feel)
     rows[:, INDEX["pilot.force"]] = force * there["pilot.force"]

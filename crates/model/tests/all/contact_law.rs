@@ -220,8 +220,8 @@ fn a_feel_that_runs_ahead_is_held_at_its_lead() {
     assert_eq!(held_out, [0.2, 0.0], "by a hand that is stronger than the drive");
 }
 
-/// The share of the contact, and how far the column is from its place, 7 ms after a torque against the motion began to rise by `rise`, in N m per ms, at a column that moves at `rate` in
-/// rad/s and slows down by `slows`, and a feel that does by `turns`, in rad/s per ms.
+/// The share of the contact, and how far the column is from its place, 7 ms after a torque against the motion began to rise by `rise`, in N m per
+/// ms, at a column that moves at `rate` in rad/s and slows down by `slows`, and a feel that does by `turns`, in rad/s per ms.
 fn struck(rise: f64, rate: f64, [slows, turns]: [f64; 2]) -> [f64; 2] {
     let mut state = free();
     let [mut column, mut feel] = [[0.0, rate]; 2];
