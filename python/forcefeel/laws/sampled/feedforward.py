@@ -85,6 +85,17 @@ def follow(
     return solution[:, :n], solution[:, n]
 
 
+def against_torque(plant: SampledPlant, gains: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What the command is of a torque on the column under which it is to stand still, (settings,), for gains K (settings, n + 1).
+
+    Raises:
+        numpy.linalg.LinAlgError: If it cannot.
+    """
+    enters = np.append(plant.by_torque, 0.0)[:, None]
+    states, command = follow(plant, np.ones((1, 1, 1)), enters, np.zeros(1))
+    return np.asarray(command[0, 0] + gains @ states[0, :, 0])
+
+
 def feel_moves(feel: NDArray[np.float64], period_s: float, torque_n_m: float) -> NDArray[np.float64]:
     """S of ``[delta; delta'; T_p]``, (settings, 3, 3): eq. (11) under a torque that stays, in units of ``torque_n_m``."""
     moves = np.zeros((len(feel), 3, 3))

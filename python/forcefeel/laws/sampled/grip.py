@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.contact_law import with_contact
-from forcefeel.laws.sampled.feedforward import feed_forward, follow
+from forcefeel.laws.sampled.feedforward import against_torque, feed_forward
 from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.observer_law import feel_rows
@@ -126,11 +126,9 @@ def _followed(
     """What the command is of the estimate, (settings, m), of delta and delta', (settings, 2), and of T, (settings,)."""
     ahead, places = feed_forward(plant, feel), plant.places
     of_w = ahead.command + np.einsum("sj,sjw->sw", gains, ahead.states)
-    enters = np.append(plant.by_torque, 0.0)[:, None]
-    states, command = follow(plant, np.ones((1, 1, 1)), enters, np.zeros(1))
     of_estimate = np.zeros((len(feel), places.observed))
     of_estimate[:, places.regulated] = -gains
-    of_estimate[:, places.torque] = command[0, 0] + gains @ states[0, :, 0]
+    of_estimate[:, places.torque] = against_torque(plant, gains)
     of_estimate[:, places.disturbance] += of_w[:, _DISTURBANCE]
     return of_estimate, of_w[:, [_DELTA, _RATE]], of_w[:, _HAND]
 

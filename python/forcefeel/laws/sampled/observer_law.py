@@ -3,6 +3,8 @@
     xi^ = (1 - L C) xi + L y,      T = T_p^
     e   = Gamma_w w - K ([x^; e_h] - Pi w),    w = [delta; delta'; T_p^; d^]
 
+with the feel a moment ahead, ``laws.sampled.advance``, in the place of ``delta``, ``delta'``.
+
 The feel computer takes the pilot's torque that the observer estimates: the load cell's once the column is at rest, and not
 what it takes to move the column's own inertia. The estimate has integral action on what is at the command.
 """
@@ -15,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.advance import led, time_ahead
 from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.feedforward import feed_forward
 from forcefeel.laws.sampled.known_friction import known_friction
@@ -67,11 +70,15 @@ def design_with(gains_of: GainFunction, loader: Loader, feel: ArrayLike, tuning:
     try:
         ahead = feed_forward(plant, rows)
         gains = gains_of(plant, rows, loader, tuning)
+        of_estimate, of_feel = followed(plant.places, gains.regulator, ahead.states, ahead.command)
+        time_s = time_ahead(plant, rows, gains.regulator, gains.observer, of_estimate)
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    of_feel, of_torque = led(time_s, rows, of_feel)
+    of_estimate[:, plant.places.torque] += of_torque * plant.scale.torque_n_m
+    law = assemble(plant, gains, of_estimate, of_feel)
     return with_contact(trimmed(law, loader), loader, rows)
 
 
