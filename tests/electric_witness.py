@@ -268,7 +268,7 @@ class Touch:
             and self.push > 0
             and self.since < self.quick
             and self.before * self.side < -1
-            and rate * self.side > 0.05
+            and rate * self.side > 0.02
         ):
             self.bounces = self.side + (self.bounces if self.bounces * self.side > 0 else 0)
             return abs(self.bounces) >= 4
@@ -278,7 +278,7 @@ class Touch:
         """Whether a push that is over was a blow that the column struck, or one that turned it."""
         came, thrown = -self.before * self.side, rate * self.side
         struck = blow and self.since < 0.9 * self.quick and stiff and self.push > 0 and thrown <= 1.6 * came
-        turned = blow and came > 0.05 and thrown > 0.05 and self.since < self.quick / 3
+        turned = blow and came > 0.02 and thrown > 0.02 and self.since < self.quick / 3
         return struck, turned
 
     def is_thrown(self, h, lead_before, turns):
@@ -289,7 +289,7 @@ class Touch:
             risen > 0.2 * self.environment * 0.008 * abs(self.rate),
             (lead_before - self.lead) / h * way,
         )
-        slows = abs(self.rate) > 0.05 and (self.rate - turns) * way > 0.05
+        slows = abs(self.rate) > 0.02 and (self.rate - turns) * way > min(0.05, 0.5 * abs(self.rate))
         moves_freely = self.share < 0.5
         return moves_freely and rises and slows and turns_faster > 0.1 and against * turns_faster > 0.12 * self.least
 
@@ -357,7 +357,7 @@ class Touch:
             self.place = (column if at_end else self.struck_at[0], self.struck_at[1])
         elif was > 0:
             here, torque = self.place
-            follows = (column - here) * h / 0.5 if abs(column - here) < self.near else 0.0
+            follows = (column - here) * h / 5.0 if abs(column - here) < self.near else 0.0
             self.place = here + follows, torque + (self.torque - torque) * h / 0.5
         away = column - self.place[0]
         held = (self.torque - self.place[1]) * away < -0.05 * self.environment * away**2

@@ -128,6 +128,21 @@ def test_a_weak_swing_that_goes_on_ends() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "setting"),
+    [
+        ("elevator-electric", (1.5, 2 * np.pi * 1.15, 0.0383)),
+        ("elevator-2khz", (1.5, 2 * np.pi * 4.0, 0.0215)),
+        ("elevator-2khz", (0.1, 2 * np.pi * 3.0, 0.01)),
+    ],
+)
+def test_a_hand_that_comes_gently_to_steel_does_not_knock_on_it(name: str, setting: tuple[float, float, float]) -> None:
+    """At 2 deg/s the drive threw the column back, and it came again, four times a second. Now that happens once."""
+    loader = BUILT_IN[name]()
+    feel = ListedSettings(np.array([setting])).feel(loader)
+    assert not swings_on(loader, ff.Law.of("robust", loader, feel), feel, Contact(True, 1e6, 0.02))[0].any()
+
+
+@pytest.mark.parametrize(
     ("name", "setting", "witnessed"),
     mostly_slow(
         [

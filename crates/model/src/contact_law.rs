@@ -43,7 +43,7 @@
 //! Then `m = 1`, and the feel stands where the drive stands, at rest. It is given back by motion away from the place of the contact alone:
 //! farther from it than `theta_n / 5`, where no push has begun for 0.3 s, or one along the motion after a rest of the torque, and the torque has
 //! not gone on falling as against a spring, `m` falls by `|theta'| h / theta_t` a period. A column that stays, comes back to the place, or
-//! swings, has all of it. The torque from which it falls follows in 0.5 s, and so does the place within `theta_n`.
+//! swings, has all of it. The torque from which it falls follows in 0.5 s, and the place within `theta_n` in 5 s.
 //!
 //! A column that is let go moves away slowly: `B_c` alone slows it, `B_c |delta'| > 2 |T|`. After 60 ms of that `m` falls to 0 in 0.2 s. A swing in
 //! contact, whose torque is zero in turn, is never loose for as long.
@@ -121,6 +121,10 @@ pub const LEAD_RAD: f64 = 0.05;
 /// Rate of the column in rad/s from which on a push may go against its motion. Slower are the noise of a column at rest, and stick-slip.
 const MOVES_RAD_PER_S: f64 = 0.05;
 
+/// Rate from which on it strikes something: 1 deg/s, twice its noise. A light feel under a gentle hand comes to a stop at 2 deg/s, and its drive would
+/// throw it back from steel at 60.
+const STRIKES_RAD_PER_S: f64 = 0.02;
+
 /// A bounce turns the column round from beyond this rate in rad/s.
 const FAST_RAD_PER_S: f64 = 1.0;
 
@@ -134,8 +138,10 @@ const THROWS: f64 = 0.12;
 /// Share of `K_e` by which the torque rises per radian: an arm alone is softer, one that swings with its column looks stiffer.
 const RISES: f64 = 0.2;
 
-/// By how much in rad/s a column that struck something is slower than `BEFORE_S` ago. A light one that swings with an arm may still go faster.
+/// By how much in rad/s a column that struck something is slower than `BEFORE_S` ago, or by which share of that rate. A light one that swings with an
+/// arm may still go faster.
 const SLOWS_RAD_PER_S: f64 = 0.05;
+const SLOWED: f64 = 0.5;
 
 /// Time constant in s over which torque and angle are smoothed: long beside a sample, short beside the swings of a contact.
 pub const SMOOTHING_S: f64 = 0.004;
@@ -168,8 +174,12 @@ const OFFSET_S: f64 = 0.5;
 /// Share of the contact below which the integral is given up: at rest away from the place, noise alone takes a little of the share.
 const OFFSET_SHARE: f64 = 0.9;
 
-/// Time constant in s of the place of the contact and of the torque there: longer than a swing, shorter than a hand leans on a stop.
-const PLACE_S: f64 = 0.5;
+/// Time constant in s of the place of the contact: long beside the time in which a column that was thrown back creeps to its stop again, which would be
+/// motion away from a place that followed it.
+const PLACE_S: f64 = 5.0;
+
+/// Time constant in s of the torque there: longer than a swing, shorter than a hand leans on a stop.
+const TORQUE_S: f64 = 0.5;
 
 /// Distance from the place of the contact in `theta_n`, up to which a column is still there.
 const HERE: f64 = 0.2;
@@ -533,8 +543,8 @@ impl<S: Scalar> ContactLaw<S> {
         // The way back, which the feel begins.
         let back = one.times_sign(now.torque);
         let turns_faster = one.times(THROWN_RAD_PER_S).less(lead_rate * back);
-        let moves = (now.rate * back).less(-one.times(MOVES_RAD_PER_S));
-        let slows = one.times(SLOWS_RAD_PER_S).less((now_rate - now.rate) * back);
+        let moves = (now.rate * back).less(-one.times(STRIKES_RAD_PER_S));
+        let slows = one.times(SLOWS_RAD_PER_S).min(now.rate.abs().times(SLOWED)).less((now_rate - now.rate) * back);
         // While the torque rises from the one before, the column moves by its rate times this constant.
         let risen = (now.torque - now.torque_before) * back;
         let rises = (self.environment.times(RISES * BEFORE_S) * now.rate.abs()).less(risen);
@@ -575,7 +585,7 @@ impl<S: Scalar> ContactLaw<S> {
             ),
             now.swings,
         );
-        let moves = one.times(MOVES_RAD_PER_S);
+        let moves = one.times(STRIKES_RAD_PER_S);
         let rose = (self.environment * (now.extreme_angle - now.began_angle).abs()).less(peak_before);
         let blow = over & hard & rose & peak_before.times(DISTINCT).less(fell.abs());
         let (before, after) = (now.before * now.side, now_rate * now.side);
@@ -604,16 +614,17 @@ impl<S: Scalar> ContactLaw<S> {
         let noticed = at_end.map_or(noticed, |at_end| noticed | at_end);
 
         // It follows a column that rests beside it, and a hand that leans on a stop, which changes the torque.
-        let slow = S::select(touches, h.times(1.0 / PLACE_S).min(one), zero);
+        let [follows_column, follows_torque] =
+            [PLACE_S, TORQUE_S].map(|time| S::select(touches, h.times(1.0 / time).min(one), zero));
         let here = (column - now.place).abs().less(self.near);
         // Where the push was largest: a column that is thrown back has left the place before the push is over. A turn or a blow may be too weak for a
         // push, and the last push long over.
         let weak = thrown & !zero.less(now.push.abs());
         let largest = |of_turn, of_push, here| S::select(weak, here, S::select(turns_on, of_turn, of_push));
-        let beside = now.place + S::select(here, (column - now.place) * slow, zero);
+        let beside = now.place + S::select(here, (column - now.place) * follows_column, zero);
         let place = S::select(noticed, largest(now.turn_angle, now.extreme_angle, angle), beside);
         let place = at_end.map_or(place, |at_end| S::select(at_end, column, place));
-        let settling = now.place_torque + (torque - now.place_torque) * slow;
+        let settling = now.place_torque + (torque - now.place_torque) * follows_torque;
         let place_torque = S::select(noticed, largest(now.turn, now.extreme, torque), settling);
 
         let (from, near) = (column - place, self.near.times(HERE));

@@ -23,6 +23,8 @@ _THROWN = 220
 """Samples in which the column comes to one and a half times its speed limit, slowly enough for its observer."""
 _APART_RAD, _LED = 0.08, 900
 """How far a column is led, farther than its feel is let be ahead of it, and its samples."""
+_SHAKEN_RAD, _SHAKEN = 0.03, 40
+"""Likewise of a column that is shaken."""
 
 
 def axis_inputs(exported: Exported) -> _Part:
@@ -129,10 +131,11 @@ def _faults(script: _Script) -> None:
     thrown = 0.75 * loader["safety.speed_limit"] * script.period / _THROWN * np.arange(_THROWN) ** 2
     numbers[on:, _BASE] += thrown * arm
     numbers[on:, _POSITION] += thrown * arm * loader["linkage.ratio"]
-    # A column that is led away from its feel without a hand, and back beyond it.
-    numbers, _ = script.restart(on + _LED)
-    led = _APART_RAD * np.sin(2.0 * np.pi * np.arange(_LED) / _LED)
-    numbers[on:, _BASE] += led * arm
-    numbers[on:, _POSITION] += led * arm * loader["linkage.ratio"]
+    # A column that is led away from its feel without a hand, and back beyond it; and one that is shaken, so that the command jumps.
+    for apart, length in ((_APART_RAD, _LED), (_SHAKEN_RAD, _SHAKEN)):
+        numbers, _ = script.restart(on + length)
+        led = apart * np.sin(2.0 * np.pi * np.arange(length) / length)
+        numbers[on:, _BASE] += led * arm
+        numbers[on:, _POSITION] += led * arm * loader["linkage.ratio"]
     numbers, _ = script.restart(20)
     numbers[10:, _FORCE] = 1.5 * loader["safety.force_range"]
