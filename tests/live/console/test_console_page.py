@@ -201,6 +201,7 @@ def test_stop_without_connection_is_sent_first_on_reconnect(page, running):
     """The page's socket is closed under it, which opens another a second later."""
     page.evaluate("() => { for (const one of window.sockets) one.close(); }")
     page.locator("#state.lost").wait_for()
+    assert page.locator("main[inert]").count()  # nothing that would be lost can be pressed
     page.keyboard.press("Escape")
     until(page, lambda: running.state.name == "tripped")
     page.locator("#state.tripped").wait_for()

@@ -12,6 +12,7 @@ import { Traces } from "./traces.js";
 
 const MESSAGE_MS = 8000;
 const by = (id) => document.getElementById(id);
+const main = document.querySelector("main"); // inert, all but the stop, until the server has told the state
 
 let told = null; // what the server told of the loop
 let column, curve, feel, flight, traces, status;
@@ -22,7 +23,10 @@ const timing = new Timing();
 
 const link = new Link({
   opened: () => state("connected", ""),
-  lost: () => state("no connection", "lost"),
+  lost: () => {
+    state("no connection", "lost");
+    main.inert = true;
+  },
   hello: begin,
   status: show,
   timing: (notice) => timing.draw(notice),
@@ -75,6 +79,7 @@ function begin(hello) {
 function show(now) {
   status = now;
   if (!told) return;
+  main.inert = false;
   state(now.ended ? "ended" : now.state, now.ended ? "lost" : now.state);
   const mine = now.holder === told.you;
   const free = now.holder === null;
