@@ -25,7 +25,7 @@ const link = new Link({
   opened: () => state("connected", ""),
   lost: () => {
     state("no connection", "lost");
-    main.inert = true;
+    main.inert = by("take").disabled = true;
   },
   hello: begin,
   status: show,
@@ -79,7 +79,7 @@ function begin(hello) {
 function show(now) {
   status = now;
   if (!told) return;
-  main.inert = false;
+  main.inert = by("take").disabled = false;
   state(now.ended ? "ended" : now.state, now.ended ? "lost" : now.state);
   const mine = now.holder === told.you;
   const free = now.holder === null;
