@@ -330,7 +330,7 @@ class Touch:
         pushed_on = turned_back and self.turns >= 16
         rose = peak_before > self.environment * abs(self.extreme[0] - self.began)
         blow = over and hard and rose and abs(fell) > 0.5 * peak_before
-        struck, turned = self.strikes(blow, stiff, turns)
+        struck, turned = self.strikes(blow, stiff and not by_hand, turns)
         thrown, at = self.is_thrown(h, lead_before, turns), turn_before if pushed_on else self.extreme
         self.struck_at = (self.angle, self.torque) if thrown and self.push == 0 else at[:2]
         noticed = self.bounces_on(over, turns, begins) or thrown or struck or turned

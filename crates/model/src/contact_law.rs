@@ -17,7 +17,7 @@
 //!
 //! Torque and angle are smoothed alike. A swing is a change of the torque from beyond `T_min` on one side to beyond it on the other within
 //! `t_q`, quicker than a hand; of a slow column from beyond `q`, since what known friction holds shows up to that, either way. A swing in
-//! which the column followed the feel to 3 % of its way was a hand's. Contact is one of
+//! which the column followed the feel to 3 % of its way was a hand's, and so was such a push. Contact is one of
 //!
 //! - two swings in a row that grow, or in which the torque falls by more than `K_e` per radian that the column goes on: no arm is as stiff.
 //!   A released column swings too, with its arm, its link or an observer that is off; it decays, and it is soft;
@@ -591,7 +591,7 @@ impl<S: Scalar> ContactLaw<S> {
         let (before, after) = (now.before * now.side, now_rate * now.side);
         let brief = now.since.less(self.quick.times(BRIEF));
         let fast_rebound = before.times(-REBOUND).less(after);
-        let struck = blow & brief & stiff & !fast_rebound & zero.less(now.push);
+        let struck = blow & brief & stiff & !follows & !fast_rebound & zero.less(now.push);
         let turned = blow & now.since.less(self.quick.times(SHORT)) & before.less(-moves) & moves.less(after);
         // The torque of a mass goes with the angle.
         let turned_by = angle - now.turn_angle;
