@@ -299,6 +299,18 @@ def test_an_independent_integrator_finds_the_same_rate_from_a_stop() -> None:
     assert struck.back[0] == pytest.approx(-rate[hit:].min(), rel=RATE_SHARE)
 
 
+def test_an_independent_integrator_finds_the_same_gentle_strike() -> None:
+    """The column comes to steel at 2 deg/s, is thrown back by half a degree, and creeps there again."""
+    there = _on("elevator-electric", (0.0383, 1.15, 1.5), Contact(True, 1e6, 0.02))
+    law, force_n, duration_s = ff.Law.of("robust", there), 8.0, 1.2
+    found = witness.simulate(there, law.sampled, lambda _: force_n, duration_s, rtol=WITNESS_RTOL)["column_angle_rad"]
+    scenario = ff.Scenario(ff.Step(f"{force_n} N"), duration_s, 1.25e-4, 5e-4)
+    angle = ff.simulate(there, scenario, law).history["column_angle_rad"].to_numpy()
+    rebound = angle.max() - angle[np.argmax(angle) :].min()
+    assert np.degrees(rebound) == pytest.approx(0.5, abs=0.1)
+    assert np.abs(angle - found).max() < 0.01 * rebound
+
+
 def test_an_independent_integrator_finds_the_same_feel_that_is_kept_near_its_column() -> None:
     """Of a law that notices no contact, on a soft stop, where the drive swings at its limit."""
     hertz, stop, force_n = 5.0, (3e3, 0.1), 8.0

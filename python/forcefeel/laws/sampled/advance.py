@@ -1,25 +1,25 @@
-"""The time by which the column is led ahead of a heavy feel.
+"""Lead time of the column with a heavy feel, which keeps the loader passive in a stiff clamp.
 
-Until the drive has the torque that the observer estimates, the column gives way: under a torque ``T`` that rises it is apart from
-where it should be by ``c T'``. This takes ``w^2 c`` from the real part of the admittance that a hand feels. A heavy feel has less
-than that at frequencies that a stiff clamp makes it swing at, where it then gives off energy, so that it swings on. A column that
-follows the motion of the feel a time ``a`` later has more,
+The drive needs time to balance the estimated torque, and meanwhile the column deflects: a rising torque ``T`` moves it away from
+the feel by ``c T'``. This takes ``w^2 c`` from the real part of the admittance at the grip. Near the frequency of a stiff clamp a
+heavy feel has less than that, so that the loader gives off energy and the oscillation does not decay. A column that leads the feel
+by a time ``a`` has more,
 
     theta = delta + a delta',    Re Y = w^2 [B + a (I w^2 - G)] / |D|^2 - w^2 c,    D = G - I w^2 + j w B
 
 and with ``a = (c |D|^2 - B) / (I w^2 - G)`` the loader is passive up to ``w``. Below its natural frequency the feel has less
 damping by ``a G``: a share ``s`` at most, and of a well damped one what that is of a damping ratio of 0.1. Feels that are
-passive up to ``w`` are not led.
+passive up to ``w`` have no lead.
 
-What is followed moves as the feel does, so that the feed-forward stays, with ``delta + a delta'`` and its rate in place of
-``delta`` and ``delta'``. Why what is passive is safe to touch: J. E. Colgate, N. Hogan, Int. J. Control 48 (1988) 65-88.
+``delta + a delta'`` obeys the equation of the feel, so that the feed-forward stays, with it and its rate in place of ``delta`` and
+``delta'``. Passive impedance as the condition of stable contact: J. E. Colgate, N. Hogan, Int. J. Control 48 (1988) 65-88.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.feedforward import against_torque
-from forcefeel.laws.sampled.observer import observed, readings
+from forcefeel.laws.sampled.observer import observed, observed_input, readings
 from forcefeel.laws.sampled.plant import SampledPlant
 
 PASSIVE_TO_HZ = 5.0
@@ -60,7 +60,7 @@ def time_ahead(plant: SampledPlant, feel: _Array, regulator: _Array, observer: _
 
 
 def torque_lag(plant: SampledPlant, observer: _Array, of_estimate: _Array) -> _Array:
-    """``c`` in rad s/(N m), by which the column is apart under a torque that rises by 1 N m/s, where it is to stand still.
+    """``c`` in rad s/(N m): deflection under a torque that rises by 1 N m/s, of a column that is to stand still.
 
     Of the loop ``z+ = M z + g T``, z of plant and observer, under ``T = k`` at sample k the motion ``z = z_1 k + z_0`` is
     ``z_1 = (1 - M)^-1 g``, ``z_0 = -(1 - M)^-1 z_1``.
@@ -68,10 +68,8 @@ def torque_lag(plant: SampledPlant, observer: _Array, of_estimate: _Array) -> _A
     places, n = plant.places, len(plant.transition)
     taken = observer @ readings(plant)
     kept = np.eye(places.observed) - taken
-    by_command = np.zeros(places.observed)
-    by_command[: places.count], by_command[places.held] = plant.by_command, 1.0
     shown = taken[..., places.regulated]  # of the plant and its held command, which is no reading
-    after = observed(plant) + by_command[:, None] * of_estimate[:, None, :]
+    after = observed(plant) + observed_input(plant)[:, None] * of_estimate[:, None, :]
     loop = np.empty((len(of_estimate), n + places.observed, n + places.observed))
     moved = plant.input[:, None] * of_estimate[:, None, :]
     loop[:, :n, :n], loop[:, :n, n:] = plant.transition + moved @ shown, moved @ kept
@@ -85,12 +83,12 @@ def torque_lag(plant: SampledPlant, observer: _Array, of_estimate: _Array) -> _A
 
 
 def led(time_s: _Array, feel: _Array, of_feel: _Array) -> tuple[_Array, _Array]:
-    """What the command is of delta and delta', (settings, 2), and besides of the torque in N m, (settings,), ``a`` ahead.
+    """Gains on delta and delta', (settings, 2), and additional gain on the torque in N m, (settings,), with the lead ``a``.
 
     Args:
         time_s: ``a``, (settings,).
         feel: I, B, G in SI units, a row each.
-        of_feel: What it is of delta and delta' without it, (settings, 2).
+        of_feel: Gains on delta and delta' without it, (settings, 2).
     """
     inertia, damping, stiffness = feel.T
     of_angle, of_rate = of_feel.T

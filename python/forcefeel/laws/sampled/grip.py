@@ -31,7 +31,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.feedforward import against_torque, feed_forward
 from forcefeel.laws.sampled.neutral import trimmed
-from forcefeel.laws.sampled.observer import observe, observed, readings
+from forcefeel.laws.sampled.observer import observe, observed, observed_input, readings
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
@@ -78,9 +78,8 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
     command = np.concatenate(
         [np.einsum("sj,sjk->sk", of_estimate, estimate) + of_hand[:, None] * hand, of_feel], axis=1
     )
-    by_hand, by_command = np.zeros((2, places.observed, 1))
+    by_hand, by_command = np.zeros((places.observed, 1)), observed_input(plant)[:, None]
     by_hand[: places.count, 0] = plant.by_torque
-    by_command[: places.count, 0], by_command[places.held] = plant.by_command, 1.0
     after = observed(plant) @ estimate + by_hand * hand[:, None, :]
     of_command = np.tile(by_command / scale.command_v, (settings, 1, 1))
     law = SampledLaw(

@@ -60,7 +60,7 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
     gains[estimated, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
     return Observer(
         transition=transition,
-        input=np.concatenate([plant.by_command, [0.0, 0.0, 1.0]]),
+        input=observed_input(plant),
         reads=reads,
         gains=gains,
         covariance=covariance,
@@ -77,6 +77,11 @@ def observed(plant: SampledPlant) -> NDArray[np.float64]:
     matrix[:n, [places.torque, places.disturbance, places.held]] = np.column_stack(enters)
     matrix[places.torque, places.torque], matrix[places.disturbance, places.disturbance] = 1.0, REMEMBERED
     return matrix
+
+
+def observed_input(plant: SampledPlant) -> NDArray[np.float64]:
+    """Gamma_o, (m,): the command moves the plant and is held."""
+    return np.concatenate([plant.by_command, [0.0, 0.0, 1.0]])
 
 
 def readings(plant: SampledPlant) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ from forcefeel.laws.sampled.contact_law import with_contact
 from forcefeel.laws.sampled.feedforward import feed_forward
 from forcefeel.laws.sampled.known_friction import known_friction
 from forcefeel.laws.sampled.neutral import trimmed
-from forcefeel.laws.sampled.observer import observe, observed, readings
+from forcefeel.laws.sampled.observer import observe, observed, observed_input, readings
 from forcefeel.laws.sampled.plant import Places, SampledPlant, link_stiffness
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
@@ -112,8 +112,7 @@ def assemble(
     transition = observed(plant)
     kept = np.eye(places.observed) - gains.observer @ readings(plant)  # what the estimate keeps of xi
     taken = gains.observer / scale.sampled  # and what it takes of y
-    by_command = np.zeros((places.observed, 1))
-    by_command[: places.count, 0], by_command[places.held] = plant.by_command, 1.0
+    by_command = observed_input(plant)[:, None]
     estimate = np.concatenate([kept, taken], axis=2)
     command = np.concatenate([np.einsum("sj,sjk->sk", of_estimate, estimate), of_feel], axis=1)
     torque = np.zeros((settings, places.observed + SAMPLED + 2))

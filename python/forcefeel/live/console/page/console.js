@@ -12,7 +12,7 @@ import { Traces } from "./traces.js";
 
 const MESSAGE_MS = 8000;
 const by = (id) => document.getElementById(id);
-const main = document.querySelector("main"); // inert, all but the stop, until the server has told the state
+const main = document.querySelector("main"); // inert until the first status arrives; the stop is outside it
 
 let told = null; // what the server told of the loop
 let column, curve, feel, flight, traces, status;
