@@ -307,7 +307,7 @@ def test_an_independent_integrator_finds_the_same_gentle_strike() -> None:
     scenario = ff.Scenario(ff.Step(f"{force_n} N"), duration_s, 1.25e-4, 5e-4)
     angle = ff.simulate(there, scenario, law).history["column_angle_rad"].to_numpy()
     rebound = angle.max() - angle[np.argmax(angle) :].min()
-    assert np.degrees(rebound) == pytest.approx(0.5, abs=0.1)
+    assert 0.4 < np.degrees(rebound) < 0.6
     assert np.abs(angle - found).max() < 0.01 * rebound
 
 
