@@ -19,7 +19,7 @@ FEW_CASES = {"changes": {"linkage.ratio": 0.2}, "arms": REFERENCE_ARMS[:1]}
 def test_batched_cases_match_single_cases(monkeypatch):
     plan = make_plan(DIGITAL, ("load-cell", "robust"), GRID, **FEW_CASES)
     one = compute(plan)
-    monkeypatch.setattr("forcefeel.envelope.run.BATCH", 1)
+    monkeypatch.setattr("forcefeel.envelope.run._TOGETHER", 1)
     other = compute(plan)
     assert one.outcomes == other.outcomes
     assert one.data.identical(other.data)

@@ -169,3 +169,10 @@ def test_page_states_that_every_setting_passes(tmp_path):
     text = ff.envelope.write_envelope(few, tmp_path, ff.UnitSystem.US).read_text(encoding="utf-8")
     assert "With the nominal plant every setting passes." in text
     assert "First failure</th>" not in text
+
+
+def test_feel_with_the_largest_damping_ratio_settles() -> None:
+    """It creeps back in nine periods, of which the rule needs the last five at rest."""
+    grid = {"stiffness": "20, 100 %", "frequency": "1, 2 Hz", "damping": "2, 3"}
+    envelope = ff.find_envelope(ff.digital_elevator(), ["robust"], grid, changes={}, arms=())
+    assert envelope.shares("robust").nominal_share == 1

@@ -45,9 +45,9 @@ def test_bisected_levels_match_envelopes_at_each_tolerance(name: str) -> None:
 def test_worst_case_shares_match_the_envelope_with_fewer_releases(batch: int, monkeypatch: pytest.MonkeyPatch) -> None:
     plan, ran, decided = plan_of("elevator-2khz"), [], []
 
-    def counting(plan, cases, settings, *rest):
+    def counting(ideal, cases, settings, *rest):
         ran.append(int(settings.sum()))
-        return run_settings(plan, cases, settings, *rest)
+        return run_settings(ideal, cases, settings, *rest)
 
     monkeypatch.setattr(worst_case, "run_settings", counting)
     monkeypatch.setattr(worst_case, "BATCH", batch)

@@ -1,8 +1,7 @@
 """Outcomes of an envelope's releases: of whole cases, and of cases whose settings are mostly inferred from their neighbors."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +11,14 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.refinement import PACE, UNKNOWN, rounds
 from forcefeel.envelope.releases import (
+    LANES,
     Record,
     carrying,
     measured,
     pieces,
-    records,
     released,
     released_pairs,
+    simulated_records,
     stable_settings,
 )
 from forcefeel.envelope.result import NOT_HELD
@@ -54,21 +54,19 @@ def find_outcomes(
     shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
     inferred = np.zeros(shape, dtype=bool)
-    parts = {
-        arm: [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan, arm=arm)]
-        for arm in {_with_arm(group) for group in groups if not plan.infers(group[0])}
-    }
+    exact = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
     references: _References = {}
+    ideal = IdealFigures(plan, feel, threads)
     first = 0
     for group in groups:
         places = slice(first, first + len(group))
         first = places.stop
-        if plan.infers(group[0]):
+        if not plan.linear:
             for k, law in enumerate(laws.values()):
-                results = _refined(plan, feel, law, group, threads, advance)
+                results = _simulated(ideal, law, group, advance)
                 outcome[k, places], margin[k, places], inferred[k, places] = results
             continue
-        for k, which, codes, margins in _whole(plan, group, feel, parts[_with_arm(group)], references, threads):
+        for k, which, codes, margins in _exact(plan, group, feel, exact, references, threads):
             outcome[k, places][:, which] = codes.reshape(len(group), -1)
             margin[k, places][:, which] = margins.reshape(len(group), -1)
             advance(len(codes))
@@ -90,7 +88,7 @@ _Done = tuple[int, NDArray[np.intp], NDArray[np.int8], NDArray[np.float32]]
 """Place of a law, settings, and outcome and margin of each release, case by case."""
 
 
-def _whole(
+def _exact(
     plan: Plan,
     group: Sequence[Case],
     feel: NDArray[np.float64],
@@ -98,7 +96,7 @@ def _whole(
     references: _References,
     threads: int,
 ) -> Iterator[_Done]:
-    """Release all settings in the cases of a group under each law."""
+    """Release all settings of a linear loader in the cases of a group under each law."""
     arms = tuple(case.arm for case in group)
 
     def tasks() -> Iterator[_Task]:
@@ -123,82 +121,130 @@ def force_not_held(plan: Plan, feel: NDArray[np.float64]) -> NDArray[np.bool_]:
     return Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
 
 
-def _with_arm(group: Sequence[Case]) -> bool:
-    """Whether an arm is at the grip in any of the cases."""
-    return any(case.arm is not None for case in group)
+class IdealFigures:
+    """Records of simulated releases, and figures of those of I, B and G alone with each arm, computed where they are first needed.
+
+    Args:
+        plan: The envelope of a simulated loader.
+        feel: I, B, G of all settings, (settings, 3).
+        threads: Number of threads.
+    """
+
+    def __init__(self, plan: Plan, feel: NDArray[np.float64], threads: int) -> None:
+        self.plan, self.feel, self.threads = plan, feel, threads
+        self._records: dict[PilotArm | None, tuple[NDArray[np.float64], NDArray[np.intp]]] = {}
+        self._figures: dict[PilotArm | None, NDArray[np.float64]] = {}
+
+    def records(self, arm: PilotArm | None) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        """Time between samples and number of samples of each setting with an arm."""
+        if arm not in self._records:
+            self._records[arm] = simulated_records(self.plan, self.feel, arm)
+            self._figures[arm] = np.full((len(self.feel), _FEATURES), np.nan)
+        return self._records[arm]
+
+    def of(self, arm: PilotArm | None, record: Record, which: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Figures of some settings with an arm, all of this record, (settings, figures)."""
+        figures = self._figures[arm]
+        missing = which[np.isnan(figures[which]).all(axis=1)]
+        for chunk in record.chunks(len(missing)):
+            some = missing[chunk]
+            ideal = _ideal(self.plan, arm, self.feel[some], record)
+            figures[some] = measured(self.plan, record, ideal, self.threads).values
+        return figures[which]
 
 
-def _refined(
-    plan: Plan,
-    feel: NDArray[np.float64],
-    law: Law,
-    cases: Sequence[Case],
-    threads: int,
-    advance: Callable[[int], None],
-) -> Outcomes:
-    """Outcomes of a law in hands-off cases, run where ``rounds`` asks for it."""
-    stable = stable_settings(plan, cases, feel, law, threads)
+def _simulated(ideal: IdealFigures, law: Law, cases: Sequence[Case], advance: Callable[[int], None]) -> Outcomes:
+    """Outcomes of a law in cases of a simulated loader: run at all settings, or where ``rounds`` asks for it."""
+    plan = ideal.plan
+    stable = stable_settings(plan, cases, ideal.feel, law, ideal.threads)
     outcome = np.where(stable, UNKNOWN, UNSTABLE_LOOP).astype(np.int8)
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
-    run = ~stable
     shape = len(cases), *plan.settings.shape
-    counted, usual = 0, sum(map(plan.usual_runs, cases))
-    # Of views, which share their memory.
-    for index, wanted in enumerate(rounds(outcome.reshape(shape), margin.reshape(shape), UNSTABLE_LOOP)):
-        settings = wanted.reshape(outcome.shape)
-        for places, which, codes, margins in run_settings(plan, cases, settings, feel, law, threads):
+    wanted: Iterable[NDArray[np.bool_]] = [stable]
+    paces: Sequence[float] = [1.0]
+    if plan.infers(cases[0]):
+        # Of views, which share their memory.
+        wanted, paces = rounds(outcome.reshape(shape), margin.reshape(shape), UNSTABLE_LOOP), PACE
+    run, usual = ~stable, sum(map(plan.usual_runs, cases))
+    counted, begun = 0, 0.0
+    for index, each in enumerate(wanted):
+        settings = each.reshape(outcome.shape)
+        done, count, pace = 0, max(1, int(settings.sum())), paces[min(index, len(paces) - 1)]
+        for places, which, codes, margins in run_settings(ideal, cases, settings, law):
             outcome[places, which], margin[places, which] = codes, margins
+            done += len(codes)
+            now = round((begun + (pace - begun) * done / count) * usual)
+            advance(now - counted)
+            counted = now
         run |= settings
-        now = round(PACE[min(index, len(PACE) - 1)] * usual)
-        advance(now - counted)
-        counted = now
+        begun = pace
     advance(usual - counted)
     return outcome, margin, ~run
 
 
-def run_settings(
-    plan: Plan, cases: Sequence[Case], settings: NDArray[np.bool_], feel: NDArray[np.float64], law: Law, threads: int
-) -> Iterator[Ran]:
+def run_settings(ideal: IdealFigures, cases: Sequence[Case], settings: NDArray[np.bool_], law: Law) -> Iterator[Ran]:
     """Release some settings (cases, settings) whose loops are stable, in batches.
 
+    The runs of a batch are of like duration and last as long as the longest. Each is measured by its own record, so that a result
+    does not depend on the others; a loop that diverges only after its record may count as unstable.
+
     Args:
-        plan: The envelope of a simulated loader.
-        cases: All with an arm at the grip, or all hands off.
+        ideal: Records and figures of the ideal.
+        cases: The cases.
         settings: The settings to run in each case.
-        feel: I, B, G of all settings, (settings, 3).
         law: Law of each setting.
-        threads: Number of threads.
     """
-    arms = list(dict.fromkeys(case.arm for case in cases))
-    of_arm = np.array([arms.index(case.arm) for case in cases])
+    plan = ideal.plan
+    places, which = np.nonzero(settings)
+    records = [ideal.records(case.arm) for case in cases]
+    steps, samples = (np.array(rows)[places, which] for rows in zip(*records, strict=True))
 
-    def tasks() -> Iterator[tuple[Record, NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]]:
-        for record, alike in records(plan, arm=_with_arm(cases)):
-            all_alike = np.flatnonzero(alike)
-            wanted = settings[:, all_alike]
-            places, columns = np.nonzero(wanted)
-            # The feel alone is the same for all machines.
-            features = np.full((len(arms), len(all_alike), _FEATURES), np.nan)
-            for arm, table in enumerate(features):
-                some = np.flatnonzero(wanted[of_arm == arm].any(axis=0))
-                for chunk in record.chunks(len(some)):
-                    ideal = _ideal(plan, arms[arm], feel[all_alike[some[chunk]]], record)
-                    table[some[chunk]] = measured(plan, record, ideal, threads).values
-            for chunk in record.chunks(len(columns)):
-                reference = features[of_arm[places[chunk]], columns[chunk]]
-                yield record, reference, places[chunk], all_alike[columns[chunk]]
+    def batches() -> Iterator[tuple[Record, NDArray[np.intp]]]:
+        for step in np.unique(steps):
+            left = np.flatnonzero(steps == step)
+            left = left[np.argsort(-samples[left], kind="stable")]
+            while left.size:
+                longest = Record(float(step), int(samples[left[0]]))
+                alike = int(np.sum(samples[left] > _ALIKE * longest.samples))
+                count = min(max(_FEWEST, -(-alike // LANES) * LANES), longest.together)
+                yield longest, np.sort(left[:count])
+                left = left[count:]
 
-    def run(task: tuple[Record, NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]) -> Ran:
-        record, reference, places, which = task
-        grouped = groupby(range(len(places)), key=lambda row: int(places[row]))
-        pairs = [(cases[place], which[list(rows)]) for place, rows in grouped]
-        good, angles = released_pairs(plan, pairs, feel, law, record, threads)
-        measures = measured(plan, record, angles, threads)
-        ideal = replace(measures, values=reference)
-        verdicts = judge_releases(measures, ideal, plan.test, travel=plan.throw.travel_rad)
-        return places, which, *_judged(verdicts, good)
+    def reference(record: Record, runs: NDArray[np.intp]) -> NDArray[np.float64]:
+        return np.vstack([ideal.of(cases[place].arm, record, which[some]) for place, some in _by(places, runs)])
 
-    return side_by_side(run, tasks(), threads)
+    def tasks() -> Iterator[_Batch]:
+        for longest, runs in batches():
+            own = [(Record(longest.step_s, count), some) for count, some in _by(samples, runs)]
+            yield longest, runs, [(record, some, reference(record, some)) for record, some in own]
+
+    def run(batch: _Batch) -> Ran:
+        longest, runs, measured_by = batch
+        pairs = [(cases[place], which[some]) for place, some in _by(places, runs)]
+        good, angles = released_pairs(plan, pairs, ideal.feel, law, longest, ideal.threads)
+        outcome, margin = np.empty(len(runs), dtype=np.int8), np.empty(len(runs), dtype=np.float32)
+        for record, some, figures in measured_by:
+            rows = np.searchsorted(runs, some)
+            measures = measured(plan, record, angles[rows, : record.samples], ideal.threads)
+            verdicts = judge_releases(
+                measures, replace(measures, values=figures), plan.test, travel=plan.throw.travel_rad
+            )
+            outcome[rows], margin[rows] = _judged(verdicts, good[rows])
+        return places[runs], which[runs], outcome, margin
+
+    return side_by_side(run, tasks(), ideal.threads)
+
+
+_ALIKE, _FEWEST = 0.8, 32
+"""Shortest duration in a batch, as a share of the longest, and fewest runs, shorter ones too: fewer leave lanes and cores empty."""
+
+_Batch = tuple[Record, NDArray[np.intp], list[tuple[Record, NDArray[np.intp], NDArray[np.float64]]]]
+"""Longest record and runs of a batch; records, their runs, and the ideal's figures of these."""
+
+
+def _by(key: NDArray[np.intp], runs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
+    """Each value of a key and the runs that have it, in order."""
+    return ((value, runs[key[runs] == value]) for value in np.unique(key[runs]).tolist())
 
 
 _FEATURES = max(columns.stop for columns in COLUMNS.values())

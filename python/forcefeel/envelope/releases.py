@@ -7,7 +7,7 @@ The result is the column angle over time, with a sampling rate that follows the 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil, log, pi, sqrt
+from math import ceil, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,20 +28,30 @@ from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 from forcefeel.threads import side_by_side
 
-_FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 6
-"""Periods of the programmed frequency in a record. Those after the sixth move the margin of a simulated release, whose sensors have
-noise, by less than another noise does; with an arm at the grip, whose mass may lower the frequency, all are kept.
+_FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 4
+"""Fewest periods in a record. Those after the fourth move the margin of a simulated release, whose sensors have noise, by less than
+another noise does.
 """
 
-_LEFT = 1e-3
-"""Remaining share of the ideal's deflection at the end of the record."""
+_LEFT, _AT_REST = 1e-3, 1e-5
+"""Remaining share of the ideal's deflection at the end of the record: of a swing; and without one, where the column has to rest for
+three times the fall time.
+"""
 
 _SHORTEST_STEP_S, _MOST_DOUBLINGS = 1e-3, 2
 _SAMPLES_IN_PERIOD = 250
 """Fewest samples in a period. The step is at most 4 ms, which resolves the column on its link at some 20 Hz."""
 
+_DURATIONS = 8
+"""Durations from one to its double: records of one duration are measured together."""
+
 _CHUNK_BYTES = 2**24
 """Histories in memory at once; they stay in the processor's cache."""
+
+LANES = 16
+"""Runs side by side in the engine."""
+
+_Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -57,19 +67,14 @@ class Record:
     samples: int
 
     @classmethod
-    def of(cls, frequency: float, damping: float, fewest_periods: int = _FEWEST_PERIODS) -> "Record":
+    def of(cls, frequency: float, damping: float) -> "Record":
         """Record for a programmed frequency in rad/s and the smallest damping ratio of its settings."""
-        period = 2 * pi / frequency
-        doublings = int(
-            np.clip(np.floor(np.log2(period / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9), 0, _MOST_DOUBLINGS)
-        )
-        step = _SHORTEST_STEP_S * 2**doublings
-        slowest = damping - sqrt(max(damping**2 - 1, 0))  # of the poles, as a share of the frequency
-        periods = max(fewest_periods, ceil(log(1 / _LEFT) / (2 * pi * slowest)))
-        return cls(step, ceil(periods * period / step) + 1)
+        step = float(_step_s(np.array(frequency)))
+        periods = ceil(_periods(np.array(damping), _FEWEST_PERIODS))
+        return cls(step, ceil(periods * 2 * pi / frequency / step) + 1)
 
     @property
-    def time_s(self) -> NDArray[np.float64]:
+    def time_s(self) -> _Array:
         """Time of each sample."""
         return np.asarray(np.arange(self.samples) * self.step_s, dtype=np.float64)
 
@@ -78,29 +83,46 @@ class Record:
         """Time from the release to the last sample."""
         return (self.samples - 1) * self.step_s
 
+    @property
+    def together(self) -> int:
+        """Number of records that fit into ``_CHUNK_BYTES``."""
+        return max(LANES, _CHUNK_BYTES // (8 * self.samples) // LANES * LANES)
+
     def chunks(self, count: int) -> Iterator[slice]:
-        """Slices of ``count`` records that fit into ``_CHUNK_BYTES``."""
-        size = max(8, _CHUNK_BYTES // (8 * self.samples) // 8 * 8)
-        return (slice(first, min(first + size, count)) for first in range(0, count, size))
+        """Slices of ``count`` records, ``together`` each."""
+        return (slice(first, min(first + self.together, count)) for first in range(0, count, self.together))
 
 
-def records(plan: Plan, *, arm: bool) -> Iterator[tuple[Record, NDArray[np.bool_]]]:
-    """Each record and which settings it is for: of one frequency and, in simulated releases without an arm, of like damping."""
-    damping, frequency, _ = plan.settings.rows.T
-    short = not (plan.linear or arm)
-    for value in plan.settings.frequency:
-        dampings: dict[Record, list[float]] = {}
-        for each in plan.settings.damping:
-            record = Record.of(value, each, _FEWEST_SIMULATED) if short else Record.of(value, plan.settings.damping[0])
-            dampings.setdefault(record, []).append(each)
-        for record, alike in dampings.items():
-            yield record, (frequency == value) & np.isin(damping, alike)
+def _step_s(frequency: _Array) -> _Array:
+    """Time between samples of a release with these programmed frequencies in rad/s."""
+    doublings = np.floor(np.log2(2 * pi / frequency / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9)
+    return np.asarray(_SHORTEST_STEP_S * 2 ** np.clip(doublings, 0, _MOST_DOUBLINGS))
 
 
-def pieces(plan: Plan, *, arm: bool = True) -> Iterator[tuple[NDArray[np.intp], Record]]:
-    """Chunks of settings, each with its record; ``arm`` says whether an arm may be at the grip."""
-    for record, settings in records(plan, arm=arm):
-        which = np.flatnonzero(settings)
+def _periods(damping: _Array, fewest: int) -> _Array:
+    """Periods in a release with these damping ratios."""
+    slowest = damping - np.sqrt(np.maximum(damping**2 - 1, 0))  # of the poles, as a share of the frequency
+    left = np.where(damping < 1, _LEFT, _AT_REST)
+    return np.maximum(fewest, np.log(1 / left) / (2 * pi * slowest))
+
+
+def simulated_records(plan: Plan, feel: _Array, arm: PilotArm | None) -> tuple[_Array, NDArray[np.intp]]:
+    """Time between samples and number of samples of each setting's simulated release with an arm.
+
+    A record lasts as long as feel I, B, G (settings, 3) and arm together need.
+    """
+    step = _step_s(plan.settings.rows[:, 1])
+    frequency, damping = _core.feel_frequencies(carrying(plan.loader, feel, arm))
+    duration = _periods(damping, _FEWEST_SIMULATED) * 2 * pi / frequency
+    duration = 2 ** (np.ceil(_DURATIONS * np.log2(duration)) / _DURATIONS)
+    return step, np.ceil(duration / step).astype(np.intp) + 1
+
+
+def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
+    """Chunks of settings of one frequency, each with a record that suits all arms."""
+    for frequency in plan.settings.frequency:
+        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+        record = Record.of(frequency, plan.settings.damping[0])
         for chunk in record.chunks(len(which)):
             yield which[chunk], record
 

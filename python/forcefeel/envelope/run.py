@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, Case
-from forcefeel.envelope.contact import touch
+from forcefeel.envelope.contact import Contact, touch
 from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.outcomes import FIGURES, PASSED, find_outcomes
 from forcefeel.envelope.passivity import passivity
@@ -21,7 +21,7 @@ from forcefeel.envelope.softening import SoftenedShares, softened_rows, softenin
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.tables.labeled_arrays import LabeledArrays
-from forcefeel.threads import threads_or_cores
+from forcefeel.threads import side_by_side, threads_or_cores
 
 Progress = Callable[[int, int], None]
 """Called with the numbers of completed and of all releases."""
@@ -78,18 +78,17 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     return _compute(plan, list(_groups(plan)), threads, progress)
 
 
-BATCH, _REFINED = 384, 8
-"""Most releases in a batch of several whole cases, about a second of work, and most inferred cases that are refined together. Both
-keep lanes and cores busy.
+_BATCH, _TOGETHER = 384, 32
+"""Most releases of a linear loader in a batch of several cases, and most cases of a simulated one that are run together: batches of
+few runs leave lanes and cores empty.
 """
 
 
 def _groups(plan: Plan) -> Iterator[tuple[Case, ...]]:
-    """Cases that run in one batch: all whole or all inferred, with an arm or without."""
-    most = max(1, BATCH * len(plan.settings.frequency) // plan.settings.count)
-    cases = groupby((*plan.cases, *plan.machines), lambda case: (plan.infers(case), case.arm is None))
-    for (inferred, _), group in cases:
-        alike, size = tuple(group), _REFINED if inferred else most
+    """Cases that run together: all whole or all inferred."""
+    size = max(1, _BATCH * len(plan.settings.frequency) // plan.settings.count) if plan.linear else _TOGETHER
+    for _, group in groupby((*plan.cases, *plan.machines), plan.infers):
+        alike = tuple(group)
         yield from (alike[first : first + size] for first in range(0, len(alike), size))
 
 
@@ -155,7 +154,9 @@ def _touch(
     codes = np.full((len(laws), len(plan.contacts), len(feel)), UNKNOWN, dtype=np.int8)
     forces, returns = np.full(codes.shape, np.nan), np.full(codes.shape, np.nan)
     margins = np.full(codes.shape, np.nan, dtype=np.float32)
-    for (k, law), (j, contact) in product(enumerate(laws.values()), enumerate(plan.contacts)):
+
+    def run(task: tuple[tuple[int, Law], tuple[int, Contact]]) -> None:
+        (k, law), (j, contact) = task
         # Of views, which share their memory.
         outcome, margin = (array[k, j].reshape(1, *plan.settings.shape) for array in (codes, margins))
         wanted = rounds(outcome, margin, _NEVER, SMALL_STRIDES) if plan.inferring else [np.ones(outcome.shape, bool)]
@@ -165,6 +166,8 @@ def _touch(
             codes[k, j, which] = np.where(touched.swings_on, _SWINGS_ON, np.where(touched.thrown_back, _THROWN_BACK, 0))
             forces[k, j, which], returns[k, j, which] = touched.largest_force_n, touched.returns
             margins[k, j, which] = touched.margin
+
+    for _ in side_by_side(run, product(enumerate(laws.values()), enumerate(plan.contacts)), threads):
         advance(plan.contact_releases)
     data["swings_on"] = over, (codes == _SWINGS_ON).reshape(shape)
     data["thrown_back"] = over, (codes == _THROWN_BACK).reshape(shape)

@@ -35,7 +35,8 @@ MOST_N = 600.0
 _LASTS_S, _COMES = 0.4, 0.5
 """Duration, at least twice the way to the stop; a column that comes at less than this share of the rate strikes nothing."""
 
-_TIMES = 2000
+_HALVINGS = 40
+"""Of the interval of time in which the feel comes to the stop."""
 
 _Array = NDArray[np.float64]
 
@@ -66,15 +67,24 @@ def push_n(loader: Loader, feel: _Array, stop_rad: float, rate_rad_per_s: float 
     frequency, ratio = np.sqrt(stiffness / inertia), damping / (2 * np.sqrt(inertia * stiffness))
     # Of equal poles the two terms would cancel.
     root = np.sqrt(ratio**2 - 1 + 1e-9j)
-    poles = frequency * (-ratio + root), frequency * (-ratio - root)
-    # A free mass takes the longest.
-    time = np.linspace(0, 2 * stop_rad / rate_rad_per_s, _TIMES + 1)[1:, np.newaxis]
-    first, second = (np.exp(pole * time) for pole in poles)
-    angle = (1 + (poles[1] * first - poles[0] * second) / (poles[0] - poles[1])).real
-    rate = (poles[0] * poles[1] * (first - second) / (poles[0] - poles[1])).real
-    there = np.argmax(rate < angle * rate_rad_per_s / stop_rad, axis=0)
+    first, second = frequency * (-ratio + root), frequency * (-ratio - root)
+
+    def motion(time: _Array) -> tuple[_Array, _Array]:
+        """Step response of the angle, and its rate."""
+        fast, slow = np.exp(second * time), np.exp(first * time)
+        angle = 1 + (second * slow - first * fast) / (first - second)
+        return angle.real, (first * second * (slow - fast) / (first - second)).real
+
+    # A free mass takes twice as long as at a constant rate; where the feel's swing turns round, it has no rate left.
+    early, late = np.zeros(len(feel)), np.minimum(2 * stop_rad / rate_rad_per_s, np.pi / (frequency * root.imag))
+    for _ in range(_HALVINGS):
+        middle = (early + late) / 2
+        angle, rate = motion(middle)
+        is_there = rate * stop_rad < angle * rate_rad_per_s
+        early, late = np.where(is_there, early, middle), np.where(is_there, middle, late)
+    angle, _ = motion(late)
     against = loader["feel.breakout"] + loader["feel.coulomb_friction"]
-    return np.asarray(stiffness * stop_rad / angle[there, np.arange(len(feel))] / loader["column.grip_arm"] + against)
+    return np.asarray(stiffness * stop_rad / angle / loader["column.grip_arm"] + against)
 
 
 def strikes(

@@ -9,13 +9,16 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from forcefeel.envelope.cases import Case, Kind
-from forcefeel.envelope.outcomes import PASSED, UNSTABLE_LOOP, force_not_held, run_settings
+from forcefeel.envelope.outcomes import PASSED, UNSTABLE_LOOP, IdealFigures, force_not_held, run_settings
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import stable_settings
 from forcefeel.envelope.result import Shares
-from forcefeel.envelope.run import BATCH, compute
+from forcefeel.envelope.run import compute
 from forcefeel.laws.law import Law
 from forcefeel.threads import threads_or_cores
+
+BATCH = 4000
+"""Releases that are run together: enough to fill lanes and cores. What fails in them is not run in the cases that follow."""
 
 
 def worst_case_shares(
@@ -38,18 +41,16 @@ def worst_case_shares(
     law = Law.of(spec, plan.loader, feel, name)
     cases = sorted(plan.cases, key=lambda case: _order(case, hardest))
     stable = stable_settings(plan, cases, feel, law, threads)
-    held = ~force_not_held(plan, feel)
+    ideal, held = IdealFigures(plan, feel, threads), ~force_not_held(plan, feel)
     nominal, worst = stable[0], stable.all(axis=0)
     first = 0
     while first < len(cases):
         # The nominal case alone and of all that are stable: its own share counts.
         wanted = worst if first else nominal
-        size = max(1, BATCH * len(plan.settings.frequency) // max(1, int(wanted.sum()))) if first else 1
-        group = [case for case in cases[first : first + size] if (case.arm is None) == (cases[first].arm is None)]
+        size = max(1, BATCH // max(1, int(wanted.sum()))) if first else 1
+        group = cases[first : first + size]
         codes = np.full((len(group), len(feel)), PASSED, dtype=np.int8)
-        for places, which, outcome, _ in run_settings(
-            plan, group, np.tile(wanted, (len(group), 1)), feel, law, threads
-        ):
+        for places, which, outcome, _ in run_settings(ideal, group, np.tile(wanted, (len(group), 1)), law):
             codes[places, which] = outcome
         stable[first : first + len(group)] &= codes != UNSTABLE_LOOP
         passes = wanted & held & (codes == PASSED).all(axis=0)
@@ -61,6 +62,6 @@ def worst_case_shares(
 
 
 def _order(case: Case, hardest: Sequence[str]) -> tuple[bool, bool, int]:
-    """The nominal case, then hands off, then arms, whose records are longer; each the hardest first."""
+    """The nominal case, then hands off, then arms; each the hardest first."""
     place = hardest.index(case.name) if case.name in hardest else len(hardest)
     return case.kind is not Kind.NOMINAL, case.arm is not None, place

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Kind
-from forcefeel.envelope.outcomes import PASSED, UNSTABLE_LOOP, force_not_held, run_settings
+from forcefeel.envelope.outcomes import PASSED, UNSTABLE_LOOP, IdealFigures, force_not_held, run_settings
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import stable_settings
 from forcefeel.envelope.result import Envelope
@@ -38,6 +38,7 @@ def bisected(full: Envelope, levels: Sequence[Plan], threads: int) -> Iterator[L
     plan, ((name, spec),) = full.plan, full.plan.laws.items()
     feel = plan.settings.feel(plan.loader)
     law = Law.of(spec, plan.loader, feel, name)
+    ideal = IdealFigures(plan, feel, threads)
     deviates = np.array([case.kind is Kind.PLANT for case in plan.cases])
     cases = [level.cases[1:] for level in levels]
     stable = np.array([stable_settings(plan, level, feel, law, threads) for level in cases])
@@ -51,7 +52,7 @@ def bisected(full: Envelope, levels: Sequence[Plan], threads: int) -> Iterator[L
         for k in np.unique(middle[left]):
             wanted = left & (middle == k)
             passes = wanted & stable[k]
-            for case, which, outcome, _ in run_settings(plan, cases[k], passes.copy(), feel, law, threads):
+            for case, which, outcome, _ in run_settings(ideal, cases[k], passes, law):
                 passes[case, which] = outcome == PASSED
                 stable[k][case, which] = outcome != UNSTABLE_LOOP
             passing[passes], failing[wanted & ~passes] = k, k
