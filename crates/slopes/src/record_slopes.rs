@@ -1,16 +1,17 @@
 //! Records of a bench and their slopes: how a run's channels change with a parameter, exactly.
 //!
-//! Every run goes once for each parameter, on dual numbers along it; these pairs of run and parameter go over the threads. The equilibrium that
-//! a run begins from moves with the parameters, too. Dry friction, orifice, stops and limits stay as they are: between two
+//! Every run goes once for some parameters, on dual numbers along each of them; these parts of a run go over the threads. The equilibrium
+//! that a run begins from moves with the parameters, too. Dry friction, orifice, stops and limits stay as they are: between two
 //! switches a run is smooth.
 //!
 //! Noise and the steps of sensors and converters are left out: noise has no model, and a staircase no slope.
 //!
-//! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together.
+//! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together. Slopes side by side in memory
+//! ask nothing of it, and the processor's common instructions do two at a time.
 
-use crate::along;
+use crate::along_each;
 use forcefeel_model::drive::{Drive, Kind};
-use forcefeel_model::dual::Dual;
+use forcefeel_model::dual::{Along, Dual};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, State};
 use forcefeel_model::parameters::{DriveKind, Parameters};
@@ -20,6 +21,12 @@ use forcefeel_simulate::batch::{Job, Sampling};
 use forcefeel_simulate::run::{FeelChange, Middles, Record, run};
 use forcefeel_solve::smooth::without_steps;
 use forcefeel_solve::threads::{NoThreads, each};
+
+/// Parameters that go along with one run: 11 of them, a usual number, keep two cores busy.
+const TOGETHER: usize = 6;
+
+/// A number with its slopes along those parameters.
+type Sloped = Dual<f64, Along<TOGETHER>>;
 
 /// What is to be run, and what is wanted of it.
 #[derive(Debug, Clone)]
@@ -33,7 +40,7 @@ pub struct SlopeJob<'a> {
 }
 
 impl SlopeJob<'_> {
-    /// Numbers of a run, or of the slopes of a pair: channel by channel, sample by sample.
+    /// Numbers of a run, or of its slopes along one parameter: channel by channel, sample by sample.
     fn size(&self) -> usize {
         self.channels.len() * self.job.samples()
     }
@@ -53,26 +60,28 @@ impl SlopeJob<'_> {
         }
         let mut channels = vec![0.0; self.job.values.len() * self.size()];
         let mut channels_of_run = channels.chunks_mut(self.size());
-        // The first pair of a run takes its channels down, too.
-        let pairs = slopes.chunks_mut(self.size()).enumerate().map(|(pair, slopes)| {
-            let values = if pair % keys == 0 { channels_of_run.next() } else { None };
-            (pair, slopes, values.unwrap_or_default())
+        let parts = slopes.chunks_mut(keys * self.size()).enumerate().flat_map(|(run, slopes)| {
+            // The first part of a run takes its channels down, too.
+            let mut values = channels_of_run.next();
+            let parts = slopes.chunks_mut(TOGETHER * self.size()).zip(self.keys.chunks(TOGETHER));
+            parts.map(move |(slopes, keys)| (run, keys, slopes, values.take().unwrap_or_default()))
         });
-        each(threads, pairs, |(pair, slopes, values)| self.pair(pair / keys, self.keys[pair % keys], slopes, values))?;
+        each(threads, parts, |(run, keys, slopes, values)| self.part(run, keys, slopes, values))?;
         Ok(channels)
     }
 
-    /// The slopes of one run along one parameter, and its channels where there is room for them.
-    fn pair(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
-        with_drive!(DriveKind::of(&self.job.values[run_index]), K => self.pair_with::<K>(run_index, key, slopes, values));
+    /// The slopes of one run along some parameters, and its channels where there is room for them.
+    fn part(&self, run_index: usize, keys: &[usize], slopes: &mut [f64], values: &mut [f64]) {
+        with_drive!(DriveKind::of(&self.job.values[run_index]), K => self.part_with::<K>(run_index, keys, slopes, values));
     }
 
-    fn pair_with<K: Kind>(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
+    fn part_with<K: Kind>(&self, run_index: usize, keys: &[usize], slopes: &mut [f64], values: &mut [f64]) {
         let job = &self.job;
-        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(of(run_index));
-        let parameters = without_steps(along(&job.values[run_index], Some(key)));
+        let constant = |value: f64| Sloped::along(value, |_| false);
+        let wide = |of: &dyn Fn(usize) -> f64| constant(of(run_index));
+        let parameters = without_steps(along_each(&job.values[run_index], keys));
         let shared = Shared { effects: Effects { noise: false, ..job.shared.effects }, ..job.shared.clone() };
-        let mut machine: Machine<Dual, K::Of<Dual>> =
+        let mut machine: Machine<Sloped, K::Of<Sloped>> =
             Machine::new(&parameters, job.law.compensator(&parameters, wide), &shared);
         if let Some(observer) = job.law.observer(wide) {
             machine = machine.with_observer(observer);
@@ -80,36 +89,36 @@ impl SlopeJob<'_> {
         if let Some(scale) = job.force_scale {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
-        let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
+        let changes: Vec<FeelChange<Sloped>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
         let in_flight =
-            |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<Dual>>, state: &State<_, K::Of<Dual>>| {
+            |step: usize, inputs: &Inputs, machine: &Machine<_, K::Of<Sloped>>, state: &State<_, K::Of<Sloped>>| {
                 Some(job.in_flight(run_index, step, inputs, machine.programmed_motion(state)[0].value))
             };
-        let around = (in_flight, || [Dual::constant(0.0); SENSORS]);
+        let around = (in_flight, || [constant(0.0); SENSORS]);
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };
         let beginning = job.start.of(&machine, &shared, job.inputs);
         run(&mut machine, &shared, &beginning, job.inputs, &changes, around, &mut recorder);
     }
 }
 
-/// Takes down the channels of a pair.
+/// Takes down the channels of a part of a run.
 struct Recorder<'a> {
     job: &'a SlopeJob<'a>,
-    parameters: &'a Parameters<Dual>,
+    parameters: &'a Parameters<Sloped>,
     /// The next sample.
     sample: usize,
     slopes: &'a mut [f64],
     values: &'a mut [f64],
 }
 
-impl<D: Drive<Dual>> Record<Dual, D> for Recorder<'_> {
+impl<D: Drive<Sloped>> Record<Sloped, D> for Recorder<'_> {
     fn middles(&self) -> Middles {
         if self.job.job.sampling == Sampling::Halves { Middles::All } else { Middles::None }
     }
 
-    fn see_base(&mut self, _: Dual) {}
+    fn see_base(&mut self, _: Sloped) {}
 
-    fn see(&mut self, instant: usize, now: &Snapshot<Dual, D>) {
+    fn see(&mut self, instant: usize, now: &Snapshot<Sloped, D>) {
         let every = if let Sampling::Every(steps) = self.job.job.sampling { steps } else { 1 };
         if !instant.is_multiple_of(every) {
             return;
@@ -117,9 +126,12 @@ impl<D: Drive<Dual>> Record<Dual, D> for Recorder<'_> {
         let (channels, samples) = (D::channels(now, self.parameters), self.job.job.samples());
         for (row, &channel) in self.job.channels.iter().enumerate() {
             let place = row * samples + self.sample;
-            self.slopes[place] = channels[channel].slope;
-            if let Some(value) = self.values.get_mut(place) {
-                *value = channels[channel].value;
+            let Dual { value, slope: Along(slopes) } = channels[channel];
+            for (of_key, slope) in self.slopes.chunks_mut(self.job.size()).zip(slopes) {
+                of_key[place] = slope;
+            }
+            if let Some(kept) = self.values.get_mut(place) {
+                *kept = value;
             }
         }
         self.sample += 1;

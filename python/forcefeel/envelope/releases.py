@@ -67,10 +67,10 @@ class Record:
     samples: int
 
     @classmethod
-    def of(cls, frequency: float, damping: float) -> "Record":
+    def of(cls, frequency: float, damping: float, fewest_periods: int = _FEWEST_PERIODS) -> "Record":
         """Record for a programmed frequency in rad/s and the smallest damping ratio of its settings."""
         step = float(_step_s(np.array(frequency)))
-        periods = ceil(_periods(np.array(damping), _FEWEST_PERIODS))
+        periods = ceil(_periods(np.array(damping), fewest_periods))
         return cls(step, ceil(periods * 2 * pi / frequency / step) + 1)
 
     @property

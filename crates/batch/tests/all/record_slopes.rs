@@ -71,7 +71,17 @@ fn held<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]]) -> Job<'a> {
 #[test]
 fn pair_depends_on_no_other_and_on_no_number_of_threads() {
     let inputs = swing(120);
-    let keys = [key("actuator", "oil_volume"), key("column", "base_arm")];
+    // More than go along with one run.
+    let keys = [
+        key("actuator", "oil_volume"),
+        key("column", "base_arm"),
+        key("column", "inertia"),
+        key("linkage", "ratio"),
+        key("linkage", "stiffness"),
+        key("linkage", "damping"),
+        key("valve", "rated_flow"),
+        key("actuator", "area"),
+    ];
     // Of the loaders that are drawn, those that do not diverge.
     let finite = |values: &[f64; COUNT]| {
         let (_, slopes) = slopes(held(&inputs, core::slice::from_ref(values)), &keys, 1);

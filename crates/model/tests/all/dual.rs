@@ -2,7 +2,7 @@
 
 use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::Scalar;
-use forcefeel_model::dual::Dual;
+use forcefeel_model::dual::{Along, Dual};
 
 /// `t` where the functions below are looked at.
 const POINTS: [f64; 4] = [-2.3, -0.4, 0.7, 5.9];
@@ -128,4 +128,51 @@ fn root_moves_as_its_residual_does() {
     let still = steep(x.still());
     check(x.still().root(still, steep(x.moving()) - still), 0.0, 4e18);
     assert!(Scalar::root(2.0_f64, 1.0, 5.0).to_bits() == 2.0_f64.to_bits());
+}
+
+/// Each operation of two numbers and a third that is zero beside infinite ones.
+fn operations<S: Scalar>(x: S, y: S, off: S) -> Vec<S> {
+    let infinite = x.constant(f64::INFINITY);
+    let root = x.root(x * x - y, x.still() - x.moving());
+    let chosen = [S::select(x.less(y), x, y), S::select(y.less(x), x, y), x.min(y), x.max(y)];
+    let mut found =
+        vec![x + y, x - y, x * y, x / y, -x, (x * x).sqrt(), off.sqrt(), y.abs(), x.round(), x.times_sign(y)];
+    found.extend([
+        off * infinite,
+        off / infinite,
+        x.slope_times(y),
+        x.slope_over(y),
+        x.sin(),
+        x.still(),
+        x.moving(),
+        root,
+    ]);
+    found.extend(chosen);
+    found
+}
+
+#[test]
+fn slopes_along_several_directions_are_those_along_each() {
+    let of_x = [1.0, 0.0, -2.5];
+    let of_y = [0.0, 3.0, 0.7];
+    for t in POINTS {
+        let together = operations(
+            Dual { value: t, slope: Along(of_x) },
+            Dual { value: 3.0 - 2.0 * t, slope: Along(of_y) },
+            Dual::along(0.0, |_| false),
+        );
+        for k in 0..3 {
+            let alone = operations(
+                Dual { value: t, slope: of_x[k] },
+                Dual { value: 3.0 - 2.0 * t, slope: of_y[k] },
+                Dual::constant(0.0),
+            );
+            for (many, one) in together.iter().zip(alone) {
+                assert_eq!(
+                    (many.value.to_bits(), many.slope.0[k].to_bits()),
+                    (one.value.to_bits(), one.slope.to_bits())
+                );
+            }
+        }
+    }
 }
