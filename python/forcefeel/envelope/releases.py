@@ -28,8 +28,8 @@ from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 from forcefeel.threads import side_by_side
 
-_FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 4
-"""Fewest periods in a record. Those after the fourth move the margin of a simulated release, whose sensors have noise, by less than
+_FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 5
+"""Fewest periods in a record. Those after the fifth move the margin of a simulated release, whose sensors have noise, by less than
 another noise does.
 """
 
