@@ -200,9 +200,9 @@ def test_progress_ends_at_its_constant_total() -> None:
 def test_progress_counts_contacts_and_inferred_cases_by_their_time(maps: tuple[Envelope, Envelope]) -> None:
     plan, full = maps[0].plan, maps[1].plan
     count = plan.settings.count
-    assert full.releases == 7 * count  # nominal, four plants off their values, two drawn machines
-    nominal, plant, drawn = (plan.usual_runs(case) for case in (plan.cases[0], plan.cases[1], plan.machines[0]))
-    assert nominal == count > drawn > plant > 0
+    nominal, plant, drawn = (plan.usual_releases(case) for case in (plan.cases[0], plan.cases[1], plan.machines[0]))
+    assert full.releases == 7 * nominal  # nominal, four plants off their values, two drawn machines
+    assert 1.2 * count > nominal > count > drawn > plant > 0  # each with its stability
     assert plan.releases == nominal + 4 * plant + 2 * drawn
     contacts = plan.with_contacts()
     assert contacts.releases - plan.releases == len(contacts.contacts) * plan.contact_releases

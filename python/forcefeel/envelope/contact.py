@@ -54,8 +54,8 @@ STOPS = [f"{stop}_{side}" for stop in ("column.stop", "feel.soft_stop", "feel.ha
 _OF_NOISE = 2.0
 """Least swing of the load cell's force that is not noise, of the noise's own."""
 
-CONTACT_TIME = 0.35
-"""Usual time of a run in contact, as a share of a release, for progress: 0.34 ms beside 0.93 to 1.04 ms on ``elevator-2khz``."""
+CONTACT_TIME = 0.9
+"""Usual time of a setting in contact, as a share of a release, for progress: on ``elevator-2khz`` and ``elevator-electric``."""
 
 _BATCH = 512
 """Settings whose histories are in memory at once."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.ideal import ideal_releases
-from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.plan import STABILITY_TIME, Plan
 from forcefeel.envelope.refinement import PACE, UNKNOWN, rounds
 from forcefeel.envelope.releases import (
     LANES,
@@ -19,7 +19,7 @@ from forcefeel.envelope.releases import (
     released,
     released_pairs,
     simulated_records,
-    stable_settings,
+    stability,
 )
 from forcefeel.envelope.result import NOT_HELD
 from forcefeel.laws.law import Law
@@ -54,7 +54,8 @@ def find_outcomes(
     shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
     inferred = np.zeros(shape, dtype=bool)
-    exact = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
+    of_linear = pieces(plan) if plan.linear else ()
+    exact = [(which, record, [law.some(which) for law in laws.values()]) for which, record in of_linear]
     references: _References = {}
     ideal = IdealFigures(plan, feel, threads)
     first = 0
@@ -155,8 +156,21 @@ class IdealFigures:
 
 def _simulated(ideal: IdealFigures, law: Law, cases: Sequence[Case], advance: Callable[[int], None]) -> Outcomes:
     """Outcomes of a law in cases of a simulated loader: run at all settings, or where ``rounds`` asks for it."""
-    plan = ideal.plan
-    stable = stable_settings(plan, cases, ideal.feel, law, ideal.threads)
+    plan, usual = ideal.plan, sum(map(ideal.plan.usual_releases, cases))
+    counted = 0
+
+    def reach(share: float) -> None:
+        nonlocal counted
+        now = round(share * usual)
+        advance(now - counted)
+        counted = now
+
+    rows, begun = [], 0.0
+    for row in stability(plan, cases, ideal.feel, law, ideal.threads):
+        rows.append(row)
+        begun += STABILITY_TIME * len(row) / usual
+        reach(begun)
+    stable = np.array(rows)
     outcome = np.where(stable, UNKNOWN, UNSTABLE_LOOP).astype(np.int8)
     margin = np.full(outcome.shape, np.nan, dtype=np.float32)
     shape = len(cases), *plan.settings.shape
@@ -165,20 +179,18 @@ def _simulated(ideal: IdealFigures, law: Law, cases: Sequence[Case], advance: Ca
     if plan.infers(cases[0]):
         # Of views, which share their memory.
         wanted, paces = rounds(outcome.reshape(shape), margin.reshape(shape), UNSTABLE_LOOP), PACE
-    run, usual = ~stable, sum(map(plan.usual_runs, cases))
-    counted, begun = 0, 0.0
+    run, known = ~stable, begun
     for index, each in enumerate(wanted):
         settings = each.reshape(outcome.shape)
-        done, count, pace = 0, max(1, int(settings.sum())), paces[min(index, len(paces) - 1)]
+        done, count = 0, max(1, int(settings.sum()))
+        then = known + (1 - known) * paces[min(index, len(paces) - 1)]
         for places, which, codes, margins in run_settings(ideal, cases, settings, law):
             outcome[places, which], margin[places, which] = codes, margins
             done += len(codes)
-            now = round((begun + (pace - begun) * done / count) * usual)
-            advance(now - counted)
-            counted = now
+            reach(begun + (then - begun) * done / count)
         run |= settings
-        begun = pace
-    advance(usual - counted)
+        begun = then
+    reach(1.0)
     return outcome, margin, ~run
 
 

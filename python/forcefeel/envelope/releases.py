@@ -164,6 +164,13 @@ def stable_settings(
     plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, threads: int
 ) -> NDArray[np.bool_]:
     """Stability of the loop of each setting in each case (cases, settings), for a simulated loader."""
+    return np.array(list(stability(plan, cases, feel, laws, threads)))
+
+
+def stability(
+    plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, threads: int
+) -> Iterator[NDArray[np.bool_]]:
+    """``stable_settings`` case by case."""
 
     def stable(case: Case) -> NDArray[np.bool_]:
         if plan.loader["controller.period"]:
@@ -173,7 +180,7 @@ def stable_settings(
         code = _core.released(loops, np.empty((len(feel), 0)), plan.release_rad, LONGEST_STEP_S, threads)
         return np.asarray((code == _STABLE) | (code == _STABLE_BY_POLES))
 
-    return np.array(list(side_by_side(stable, cases, threads)))
+    return side_by_side(stable, cases, threads)
 
 
 def released_pairs(
