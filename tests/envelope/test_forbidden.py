@@ -200,7 +200,7 @@ def test_forbidden_settings_are_counted_separately():
 def test_smaller_releases_are_below_the_default_release():
     plan = planned(SLOW, 2.0).with_smaller_releases()
     assert plan.smaller_rad == pytest.approx([radians(1), radians(0.5)])
-    assert plan.releases == 3 * 12
+    assert plan.releases == 3 * plan.usual_releases(plan.cases[0])
     assert planned(ff.elevator(), laws=("published",)).with_smaller_releases().smaller_rad == ()
     with pytest.raises(ff.InputError, match="smaller_rad: expected an angle above 0 and up to 90 deg"):
         planned(SLOW, smaller_rad=(0.0,))

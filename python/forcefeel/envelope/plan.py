@@ -154,7 +154,7 @@ class Plan:
     def releases(self) -> int:
         """Usual number of releases, for progress; stability and contacts count by their time."""
         each = sum(map(self.usual_releases, (*self.cases, *self.machines)))
-        each += len(self.smaller_rad) * self.settings.count + len(self.contacts) * self.contact_releases
+        each += len(self.smaller_rad) * self.usual_releases(self.cases[0]) + len(self.contacts) * self.contact_releases
         return len(self.laws) * each
 
     def usual_releases(self, case: Case) -> int:
