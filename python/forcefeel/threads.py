@@ -1,4 +1,4 @@
-"""How many threads work on what falls into pieces."""
+"""How many threads, and how many lanes of each, work on what falls into pieces."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -9,6 +9,9 @@ from forcefeel.errors import InputError
 
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
+
+LANES = 16
+"""Runs that the engine's batches compute side by side on a thread; a smaller group leaves lanes empty."""
 
 MOST_THREADS = 1024
 """Most threads that may be asked for; more than there are cores are never started."""

@@ -67,11 +67,6 @@ impl<const N: usize> Along<N> {
     fn each(of: impl Fn(usize) -> f64) -> Self {
         Self(from_fn(of))
     }
-    /// `other` in all directions in which there is a slope.
-    #[inline(always)]
-    fn zero_or(self, other: Self) -> Self {
-        Self::each(|k| if self.0[k] == 0.0 { 0.0 } else { other.0[k] })
-    }
 }
 
 impl<const N: usize> Add for Along<N> {
@@ -105,15 +100,15 @@ impl<const N: usize> Slope<f64> for Along<N> {
     }
     #[inline(always)]
     fn scaled(self, by: f64) -> Self {
-        self.zero_or(Self::each(|k| self.0[k] * by))
+        Self::each(|k| self.0[k].slope_times(by))
     }
     #[inline(always)]
     fn over(self, by: f64) -> Self {
-        self.zero_or(Self::each(|k| self.0[k] / by))
+        Self::each(|k| self.0[k].slope_over(by))
     }
     #[inline(always)]
     fn over_slope(self, by: Self) -> Self {
-        self.zero_or(Self::each(|k| self.0[k] / by.0[k]))
+        Self::each(|k| self.0[k].slope_over(by.0[k]))
     }
     #[inline(always)]
     fn signed(self, sign: f64) -> Self {
@@ -156,7 +151,7 @@ impl<T: Scalar, D: Slope<T>> Dual<T, D> {
 }
 
 impl<const N: usize> Dual<f64, Along<N>> {
-    /// A number whose slope is one along the directions for which that is so, and zero along the others.
+    /// The variable of the directions that `is_variable` selects: slope one along these, zero along the others.
     #[inline(always)]
     pub fn along(value: f64, is_variable: impl Fn(usize) -> bool) -> Self {
         Self { value, slope: Along::each(|k| if is_variable(k) { 1.0 } else { 0.0 }) }

@@ -6,8 +6,8 @@
 //!
 //! Noise and the steps of sensors and converters are left out: noise has no model, and a staircase no slope.
 //!
-//! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together. Slopes side by side in memory
-//! ask nothing of it, and the processor's common instructions do two at a time.
+//! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together. An array of slopes compiles as
+//! fast as one slope, and the baseline vector instructions compute two of them at a time.
 
 use crate::along_each;
 use forcefeel_model::drive::{Drive, Kind};
@@ -22,7 +22,7 @@ use forcefeel_simulate::run::{FeelChange, Middles, Record, run};
 use forcefeel_solve::smooth::without_steps;
 use forcefeel_solve::threads::{NoThreads, each};
 
-/// Parameters that go along with one run: 11 of them, a usual number, keep two cores busy.
+/// Parameters per run: a fit of 11, a usual number, gives two runs, one for each of two cores.
 const TOGETHER: usize = 6;
 
 /// A number with its slopes along those parameters.

@@ -1,5 +1,6 @@
 """Outcomes of an envelope's releases: of whole cases, and of cases whose settings are mostly inferred from their neighbors."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -11,7 +12,6 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import STABILITY_TIME, Plan
 from forcefeel.envelope.refinement import PACE, UNKNOWN, rounds
 from forcefeel.envelope.releases import (
-    LANES,
     Record,
     carrying,
     measured,
@@ -27,7 +27,7 @@ from forcefeel.qualification.batch_verdicts import NAMES, BatchVerdicts, judge_r
 from forcefeel.qualification.release import COLUMNS
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.too_small import Beyond
-from forcefeel.threads import side_by_side
+from forcefeel.threads import LANES, side_by_side
 
 PASSED, UNSTABLE_LOOP, _FIRST = 0, 1, 2
 """Outcome codes; figures that can fail start at ``_FIRST``."""
@@ -123,7 +123,7 @@ def force_not_held(plan: Plan, feel: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 class IdealFigures:
-    """Records of simulated releases, and figures of those of I, B and G alone with each arm, computed where they are first needed.
+    """Records of simulated releases, and figures of the ideal with each arm, computed when first needed.
 
     Args:
         plan: The envelope of a simulated loader.
@@ -134,13 +134,12 @@ class IdealFigures:
     def __init__(self, plan: Plan, feel: NDArray[np.float64], threads: int) -> None:
         self.plan, self.feel, self.threads = plan, feel, threads
         self._records: dict[PilotArm | None, tuple[NDArray[np.float64], NDArray[np.intp]]] = {}
-        self._figures: dict[PilotArm | None, NDArray[np.float64]] = {}
+        self._figures: dict[PilotArm | None, NDArray[np.float64]] = defaultdict(self._none_yet)
 
     def records(self, arm: PilotArm | None) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """Time between samples and number of samples of each setting with an arm."""
         if arm not in self._records:
             self._records[arm] = simulated_records(self.plan, self.feel, arm)
-            self._figures[arm] = np.full((len(self.feel), _FEATURES), np.nan)
         return self._records[arm]
 
     def of(self, arm: PilotArm | None, record: Record, which: NDArray[np.intp]) -> NDArray[np.float64]:
@@ -152,6 +151,9 @@ class IdealFigures:
             ideal = _ideal(self.plan, arm, self.feel[some], record)
             figures[some] = measured(self.plan, record, ideal, self.threads).values
         return figures[which]
+
+    def _none_yet(self) -> NDArray[np.float64]:
+        return np.full((len(self.feel), _FEATURES), np.nan)
 
 
 def _simulated(ideal: IdealFigures, law: Law, cases: Sequence[Case], advance: Callable[[int], None]) -> Outcomes:
@@ -198,7 +200,7 @@ def run_settings(ideal: IdealFigures, cases: Sequence[Case], settings: NDArray[n
     """Release some settings (cases, settings) whose loops are stable, in batches.
 
     The runs of a batch are of like duration and last as long as the longest. Each is measured by its own record, so that a result
-    does not depend on the others; a loop that diverges only after its record may count as unstable.
+    does not depend on the others, with one exception: a loop that diverges after its own record may count as unstable.
 
     Args:
         ideal: Records and figures of the ideal.

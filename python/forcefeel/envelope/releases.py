@@ -26,7 +26,7 @@ from forcefeel.simulation.engine import batch_outputs
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.programmed_feel import with_arm
 from forcefeel.simulation.scenario import LONGEST_STEP_S
-from forcefeel.threads import side_by_side
+from forcefeel.threads import LANES, side_by_side
 
 _FEWEST_PERIODS, _FEWEST_SIMULATED = 10, 5
 """Fewest periods in a record. Those after the fifth move the margin of a simulated release, whose sensors have noise, by less than
@@ -47,9 +47,6 @@ _DURATIONS = 8
 
 _CHUNK_BYTES = 2**24
 """Histories in memory at once; they stay in the processor's cache."""
-
-LANES = 16
-"""Runs side by side in the engine."""
 
 _Array = NDArray[np.float64]
 

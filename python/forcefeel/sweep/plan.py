@@ -22,6 +22,7 @@ from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
+from forcefeel.threads import LANES
 from forcefeel.units import show
 
 MOST_RUNS = 10_000_000
@@ -36,8 +37,8 @@ _CHUNK_STEPS = 30_000_000
 _CHUNK_RUNS = 2**15
 """Most runs in a chunk: its rows and their copies in the engine take some 100 MB."""
 
-_CHUNKS, _LANES = 16, 16
-"""Least number of chunks, for progress; runs in parallel lanes."""
+_CHUNKS = 16
+"""Least number of chunks, for progress."""
 
 _MOST_AXES = 2
 
@@ -201,8 +202,8 @@ class Sweep:
     @cached_property
     def chunks(self) -> tuple[range, ...]:
         """The runs in chunks, each computed and stored whole."""
-        size = max(_LANES, min(_CHUNK_STEPS // self.steps, _CHUNK_RUNS, -(-self.total // _CHUNKS)))
-        size = -(-size // _LANES) * _LANES
+        size = max(LANES, min(_CHUNK_STEPS // self.steps, _CHUNK_RUNS, -(-self.total // _CHUNKS)))
+        size = -(-size // LANES) * LANES
         return tuple(range(first, min(first + size, self.total)) for first in range(0, self.total, size))
 
     def drawn(self, runs: range) -> dict[str, NDArray[np.float64]]:

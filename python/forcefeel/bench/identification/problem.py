@@ -20,6 +20,7 @@ from forcefeel.bench.identification.observations import Observation
 from forcefeel.bench.identification.unknowns import Unknown
 from forcefeel.errors import InputError
 from forcefeel.loader.consistency import AT_LEAST
+from forcefeel.threads import LANES
 from forcefeel.units import show
 
 _ROUNDS = 5
@@ -33,9 +34,6 @@ _TO_DEVIATION = 1.4826
 
 _PRECISION, _COARSE_PRECISION = 1e-9, 1e-4
 """Relative change of cost or unknowns at which a search ends: far below the standard errors, or coarse, to separate minima."""
-
-_SIDE_BY_SIDE = 16
-"""Number of points evaluated together, to fill the engine's vector lanes."""
 
 _MOST_STEPS = 60
 """Most steps of one search: a smooth cost takes ten, one with jags may not converge."""
@@ -203,8 +201,8 @@ class Problem:
     def costs(self, places: Sequence[NDArray[np.float64]], noise: NDArray[np.float64]) -> list[float]:
         """``cost`` of several points, with their runs in parallel."""
         weight, costs = self._weight(noise), list[float]()
-        for first in range(0, len(places), _SIDE_BY_SIDE):
-            batch = places[first : first + _SIDE_BY_SIDE]
+        for first in range(0, len(places), LANES):
+            batch = places[first : first + LANES]
             values, own = np.array([self.values(x) for x in batch]), zip(*map(self.own, batch), strict=True)
             residuals = [
                 observation.residuals(values, np.array(own_values))
