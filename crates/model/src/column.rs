@@ -136,10 +136,12 @@ impl<S: Scalar> ColumnMotion<S> {
     #[inline(always)]
     pub fn loads(&self, effects: &Effects, start: S, x_b: S, v: S) -> S {
         let mut sum = x_b.zero();
+        // U sin(phi_U + theta) - (B_c + d_a R_p^2) theta' - k_a R_p^2 theta
+        if effects.gravity {
+            sum = self.gravity * (self.gravity_angle + x_b * self.per_base).sin();
+        }
         if effects.column_loads {
-            let lean = self.gravity_angle + x_b * self.per_base;
-            // U sin(phi_U + theta) - (B_c + d_a R_p^2) theta' - k_a R_p^2 theta
-            sum = self.gravity * lean.sin() - self.drag * v - self.spring * x_b;
+            sum = sum - self.drag * v - self.spring * x_b;
         }
         if effects.stribeck {
             // (F_s - F_c) (1 - exp(-(theta' / omega_s)^2)) (sgn theta' + a_F)

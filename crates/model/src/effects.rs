@@ -58,13 +58,10 @@ effects! {
     stribeck, no_slope = any(&[p.column.stribeck_velocity]);
     /// Dry friction of the piston's seals.
     seals, no_slope = any(&[p.actuator.seal_friction]);
-    /// Viscous friction, gravity, or a pilot's arm at the column.
-    column_loads = any(&[
-        p.column.viscous_friction,
-        p.column.gravity_torque,
-        p.pilot.arm_damping,
-        p.pilot.arm_stiffness,
-    ]);
+    /// Viscous friction, or a pilot's arm at the column.
+    column_loads = any(&[p.column.viscous_friction, p.pilot.arm_damping, p.pilot.arm_stiffness]);
+    /// Gravity at the column. Apart from the loads: its sine takes an eighth of a step.
+    gravity = any(&[p.column.gravity_torque]);
     /// End stops of the column.
     column_stops, no_slope = finite(&[p.column.stop_low, p.column.stop_high]);
     /// Offset of a sensor.
