@@ -69,6 +69,7 @@ __all__ = [
     "feel_steps",
     "feel_transitions",
     "fmu_variables",
+    "frequency_response",
     "grip_force",
     "hinge_moment",
     "host_answer",
@@ -665,6 +666,9 @@ def propagated(phi: _Array, start: _Array, inputs: _Array) -> _Array:
     """The states (steps + 1, n) of ``x_{k+1} = phi x_k + v_k`` from ``start`` on, with ``v_k`` the rows of ``inputs``."""
 
 def balanced(a: _Array) -> tuple[_Array, _Array]: ...
+def frequency_response(a: _Array, b: _Array, c: _Array, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """``c (p - a)^-1 b`` at each of ``points``, complex numbers ``p``."""
+
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
 def stationary(phi: _Array, h: _Array, q: _Array, r: _Array) -> tuple[_Array, float] | None:
     """Cost at which recursion (22) stands still, by doubling, and its residual; none if a state does not decay."""

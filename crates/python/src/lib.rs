@@ -99,6 +99,7 @@ pub fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::exponential, module)?)?;
     module.add_function(wrap_pyfunction!(solve::propagated, module)?)?;
     module.add_function(wrap_pyfunction!(solve::balanced, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::frequency_response, module)?)?;
     module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
     module.add_function(wrap_pyfunction!(solve::stationary, module)?)?;
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;

@@ -6,11 +6,13 @@ use crate::limits::at_most;
 use crate::model::Columns;
 use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::feel_transition::{feel_step, feel_transition};
+use forcefeel_solve::frequency_response::frequency_response as response;
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use forcefeel_solve::stationary::{Stationary, stationary as stand_still};
 use forcefeel_solve::unit_circle::inside;
-use nalgebra::{Matrix4, Matrix4x2, RowVector4};
+use nalgebra::{DVector, Matrix4, Matrix4x2, RowVector4};
+use numpy::Complex64;
 use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -98,6 +100,28 @@ pub fn balanced<'py>(
     let n = a.as_array().nrows();
     let (like, diagonal) = forcefeel_solve::balanced(matrix("a", &a, (n, n))?);
     Ok((to_numpy(py, &like)?, PyArray1::from_slice(py, diagonal.as_slice())))
+}
+
+/// `c (p - a)^-1 b` at complex points `p`.
+#[pyfunction]
+pub fn frequency_response<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray1<'py, f64>,
+    c: PyReadonlyArray1<'py, f64>,
+    points: PyReadonlyArray1<'py, Complex64>,
+) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
+    let n = a.as_array().nrows();
+    let [b, c] =
+        [("b", b), ("c", c)].map(|(name, vector)| (name, vector.as_array().iter().copied().collect::<Vec<_>>()));
+    for (name, vector) in [&b, &c] {
+        if n == 0 || vector.len() != n {
+            return Err(refused(format!("{name}: expected {n} values, one at least, got {}", vector.len())));
+        }
+    }
+    let (a, [b, c]) = (matrix("a", &a, (n, n))?, [b, c].map(|(_, vector)| DVector::from_vec(vector)));
+    let points: Vec<_> = points.as_array().iter().copied().collect();
+    Ok(PyArray1::from_vec(py, py.detach(|| response(a, &b, &c, points.into_iter()))))
 }
 
 /// Recursion (22) over a horizon of `steps`, or with a `tolerance` until the gains stand still, at most `steps`.

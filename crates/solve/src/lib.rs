@@ -8,6 +8,7 @@
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | the programmed feel alone, in time, and from one time to another | [`feel_alone`](mod@feel_alone), [`feel_transition`](mod@feel_transition) |
+//! | frequency response | [`frequency_response`] |
 //! | many at once, in vector lanes over the cores | [`lanes`], [`wide`], [`threads`] |
 //! | laws of many, where a run begins and would rest, what it gives | [`law`], [`start`], [`rest`], [`outputs`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
@@ -26,6 +27,7 @@ pub mod bounded;
 pub mod discretize;
 pub mod feel_alone;
 pub mod feel_transition;
+pub mod frequency_response;
 pub mod lanes;
 pub mod law;
 pub mod linear_batch;

@@ -79,9 +79,8 @@ def law_response(loader: Loader, name: str, frequency_hz: NDArray[np.float64]) -
     """
     loops = sampled_loops(loader, Law.of(name, loader))
     z = np.exp(2j * np.pi * frequency_hz * loops.period_s)
-    matrix, entry = loops.matrix[0], loops.by_force[0]
-    states = np.linalg.solve(z[:, None, None] * np.eye(len(entry)) - matrix, np.tile(entry[:, None], (len(z), 1, 1)))
-    return np.asarray(states[:, loops.base, 0] / loader["column.base_arm"], dtype=np.complex128)
+    angle_row = np.eye(len(loops.by_force[0]))[loops.base] / loader["column.base_arm"]
+    return _core.frequency_response(loops.matrix[0], loops.by_force[0], angle_row, z)
 
 
 def _step(loader: Loader, loops: SampledLoops, duration_s: float) -> LawStep:

@@ -78,10 +78,10 @@ class Grips:
 
     def admittance(self, loop: int, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         """``Y(jw)`` of one loop, by solving the linear system instead of residues."""
-        matrix, n = self.matrix[loop], self.matrix.shape[1]
-        resolvent = self.points(frequency_hz)[:, None, None] * np.eye(n) - matrix
-        states = np.linalg.solve(resolvent, np.broadcast_to(self.by_force[loop][:, None], (len(frequency_hz), n, 1)))
-        return np.asarray((self.row[loop] @ states)[:, 0] * self.factor(frequency_hz))
+        response = _core.frequency_response(
+            self.matrix[loop], self.by_force[loop], self.row[loop], self.points(frequency_hz)
+        )
+        return np.asarray(response * self.factor(frequency_hz))
 
 
 _Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]

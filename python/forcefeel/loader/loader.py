@@ -383,8 +383,8 @@ def _angle_per_force(
     w: NDArray[np.float64],
 ) -> NDArray[np.complex128]:
     """``C (jw - A)^-1 B + D`` at ``w`` in rad/s, from the first input, the force, to the first output, the angle."""
-    inverted = np.linalg.solve(1j * w[:, np.newaxis, np.newaxis] * np.eye(len(a)) - a, b[:, :1])
-    return np.asarray((c[:1] @ inverted)[:, 0, 0] + d[0, 0])
+    points = np.asarray(1j * w, dtype=np.complex128)
+    return np.asarray(_core.frequency_response(a, b[:, 0], c[0], points) + d[0, 0])
 
 
 def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:

@@ -22,7 +22,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import balanced
+from forcefeel._core import balanced, frequency_response
 from forcefeel.linear.frequency import crossings
 from forcefeel.loops.command_loop import HIGHEST_ANALOG_RAD_PER_S, CommandLoop
 from forcefeel.units import ANGLE, HERTZ, RATIO, SECONDS
@@ -136,8 +136,5 @@ class _Response:
         return [-gain for gain in (*turning, *self._solved(ends).real.tolist())]
 
     def _solved(self, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        n = len(self._b)
-        resolvent = points[:, None, None] * np.eye(n) - self._matrix
-        states = np.linalg.solve(resolvent, np.tile(self._b[:, None], (len(points), 1, 1)))
-        loop_response = -(states[..., 0] @ self._c)
+        loop_response = -frequency_response(self._matrix, self._b, self._c, points)
         return np.asarray((1 - loop_response) / loop_response)

@@ -4,6 +4,7 @@ mod discretize;
 #[path = "../../../model/tests/all/draws/mod.rs"]
 mod draws;
 mod feel_transition;
+mod frequency_response;
 mod linear_batch;
 mod linearize;
 mod loops;
