@@ -20,7 +20,7 @@ from forcefeel.laws.law import names_for
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.sentences import outcome_counts, reasons, rule_text
-from forcefeel.threads import threads_or_cores
+from forcefeel.threads import side_by_side, threads_or_cores
 from forcefeel.units import UnitSystem
 
 FEW: Mapping[str, str] = MappingProxyType(
@@ -31,13 +31,8 @@ FEW: Mapping[str, str] = MappingProxyType(
 REPORT = "published"
 """The report's law: its state feedback over the published horizon."""
 
-STEPS = ("the report's law tested", "laws at the own setting", "laws over the envelope", "the best law tested")
-"""Progress messages of ``best_law``; a motor has no law of the report."""
-
-
-def steps(loader: Loader) -> tuple[str, ...]:
-    """Progress messages of ``best_law`` for a loader."""
-    return STEPS if REPORT in names_for(loader) else STEPS[1:]
+STEPS = ("laws at the own setting", "laws over the envelope", "laws tested")
+"""Progress messages of ``best_law``: the best law is tested, and for a valve the report's."""
 
 
 def best_law(
@@ -57,7 +52,7 @@ def best_law(
         units: Units of the test results; they also select the rule's rounding of forces.
         called: Name of the loader on a command line; default: its name.
         threads: Number of threads; default: all cores. The results do not depend on it.
-        progress: Called with each of ``steps(loader)`` when it begins.
+        progress: Called with each of ``STEPS`` when it begins.
 
     Returns:
         The best law and, for a valve, the report's law. The choice uses few settings, by default 18; ``score_laws`` uses more.
@@ -82,27 +77,25 @@ def best_law(
     Settings.of(grid)  # raises before the try block, which reports errors of the loader
     report = LawResult(REPORT, summary_of(REPORT), None, None) if REPORT in names_for(loader) else None
     try:
-        rule, tested = "", None
-        if report is not None:
-            progress(STEPS[0])
-            rule, tested = _qualified(loader, REPORT, units)
         plan = make_plan(loader, names_for(loader), grid)
-        progress(STEPS[1])
+        progress(STEPS[0])
         scores, refused = at_own_setting(plan, threads)
-        progress(STEPS[2])
+        progress(STEPS[1])
         scored, shares = _over_envelope(plan, scores, threads)
+        choice = choose(scored)
+        progress(STEPS[2])
+        names = list(dict.fromkeys(name for name in (report.name if report else None, choice.chosen) if name))
+        tested = list(side_by_side(lambda name: _qualified(loader, name, units), names, threads))
     except InputError as error:
         return LawComparison(report, None, (), "", 0, str(error), called)
-    if report is not None:
-        report = replace(report, qualified=tested, rendered=shares.get(REPORT))
-    choice = choose(scored)
-    best = report if choice.chosen == REPORT else None
-    if choice.chosen and not best:
-        progress(STEPS[3])
-        rule, tested = _qualified(loader, choice.chosen, units)
-        best = LawResult(choice.chosen, summary_of(choice.chosen), tested, shares[choice.chosen])
+    results = {
+        name: LawResult(name, summary_of(name), status, shares.get(name))
+        for name, (_, status) in zip(names, tested, strict=True)
+    }
     remarks = (*(remark.sentence for remark in choice.remarks), *refused)
-    return LawComparison(report, best, remarks, rule, plan.settings.count, "", called)
+    rule = tested[0][0] if tested else ""
+    best = results.get(choice.chosen or "")
+    return LawComparison(results.get(REPORT), best, remarks, rule, plan.settings.count, "", called)
 
 
 def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
@@ -123,7 +116,7 @@ def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawSc
 
     plan = replace(plan, laws={score.name: plan.laws[score.name] for score in eligible})
     envelope = compute(plan, threads=threads)
-    over = {score.name: score_over(plan, score, envelope, threads) for score in eligible}
+    over = {score.name: score for score in score_over(plan, eligible, envelope, threads)}
     shares = {name: envelope.shares(name) for name in over}
     rendered = {
         name: EnvelopeSummary(law_shares.stable, law_shares.nominal_share, law_shares.worst_case_share)

@@ -1,7 +1,6 @@
 """Scores of laws on one loader: envelope, demand on the drive, noise and margins."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from itertools import product
 from types import MappingProxyType
@@ -24,7 +23,7 @@ from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, loop_margins, minimum_margins
-from forcefeel.threads import threads_or_cores
+from forcefeel.threads import side_by_side, threads_or_cores
 from forcefeel.units import show
 
 COARSE: Mapping[str, str] = MappingProxyType(
@@ -138,13 +137,13 @@ def score_laws(
     check_names(loader, chosen)
     plan = make_plan(loader, chosen, grid, **options)
     envelope = compute(plan, threads=threads, progress=progress) if over_envelope else None
-    scores = (
+    scores = [
         Score(name, summary_of(name), own_setting(plan, plan.laws[name], threads_or_cores(threads)), None)
         for name in chosen
-    )
-    return LawScores(
-        plan, tuple(score if envelope is None else score_over(plan, score, envelope, threads) for score in scores)
-    )
+    ]
+    if envelope is not None:
+        scores = score_over(plan, scores, envelope, threads)
+    return LawScores(plan, tuple(scores))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
@@ -175,16 +174,19 @@ def summary_of(name: str) -> str:
     return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
-def score_over(plan: Plan, score: Score, envelope: Envelope, threads: int | None = None) -> Score:
-    """Add the results over an envelope of the plan to a law's score."""
+def score_over(plan: Plan, scores: Sequence[Score], envelope: Envelope, threads: int | None = None) -> list[Score]:
+    """Add the results over an envelope of the plan to scores of its laws."""
+    return list(side_by_side(lambda score: _over(plan, score, envelope, threads), scores, threads_or_cores(threads)))
+
+
+def _over(plan: Plan, score: Score, envelope: Envelope, threads: int | None) -> Score:
     name = score.name
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(plan.laws[name], plan.loader, feel, name)
     lost = max(envelope.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
-    with ThreadPoolExecutor(threads_or_cores(threads)) as pool:  # NumPy lets go of the interpreter
-        margins = [score.own.margins, *pool.map(loop_margins, loops)]
+    margins = [score.own.margins, *map(loop_margins, loops)]
     over = OverEnvelope(
         shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,

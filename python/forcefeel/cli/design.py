@@ -51,7 +51,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         options.check_none(loader)
     called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
     with all_or_nothing("design", "steps", silent=options.json, even=False) as bar:
-        own, of_laws = (() if electric else workflow.STEPS), (quick_choice.steps(loader) if digital else ())
+        own, of_laws = (() if electric else workflow.STEPS), (quick_choice.STEPS if digital else ())
         begin = bar.steps(len(own) + len(of_laws) + 1)
         servo = None if electric else workflow.design_servo(loader, settings, begin)
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None

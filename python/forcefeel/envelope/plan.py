@@ -150,7 +150,7 @@ class Plan:
         """
         return self.inferring and case.kind in {Kind.PLANT, Kind.DRAWN}
 
-    @property
+    @cached_property
     def releases(self) -> int:
         """Usual number of releases, for progress; stability and contacts count by their time."""
         each = sum(map(self.usual_releases, (*self.cases, *self.machines)))
