@@ -51,11 +51,13 @@ fn solve(rows: &mut [Vec<Complex<f64>>], right: &mut [Complex<f64>]) {
         for j in k..n {
             row[j] -= factor * pivot[j];
         }
-        right[k] = right[k] - factor * right[k - 1];
+        let above = right[k - 1];
+        right[k] -= factor * above;
     }
     for k in (0..n).rev() {
         for j in k + 1..n {
-            right[k] = right[k] - rows[k][j] * right[j];
+            let known = right[j];
+            right[k] -= rows[k][j] * known;
         }
         right[k] /= rows[k][k];
     }
