@@ -360,7 +360,8 @@ fn grip_stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
         && !matches!(rows[fault.from - 1].allowed.state, SupervisorState::Off)
         && rows[fault.from..=from].iter().all(free);
     let at_grip = |row: &Row| row.hand + row.arm;
-    let hands = || rows[fault.from..=from].iter().map(at_grip);
+    // A reading that follows a slow hand rests too: what it came to rest under may be from before the fault.
+    let hands = || rows[fault.from.saturating_sub(limits.stuck as usize)..=from].iter().map(at_grip);
     let (low, high) = (hands().fold(f64::INFINITY, f64::min), hands().fold(f64::NEG_INFINITY, f64::max));
     let most = 3.0 * limits.grip_apart / limits.grip_arm;
     let apart = |row: &Row| free(row) && (at_grip(row) > high + most || at_grip(row) < low - most);
