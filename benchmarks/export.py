@@ -18,11 +18,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR, USUAL
 
 STATED = {
-    "C, I, B, G": 925,
-    "C, every nonlinear part of the feel": 1322,
-    "C, law's friction and converters too": 1639,
-    "C, changing between four settings": 1435,
-    "C, so with every part": 2619,
+    "C, I, B, G": 884,
+    "C, every nonlinear part of the feel": 1259,
+    "C, law's friction and converters too": 1513,
+    "C, changing between four settings": 1394,
+    "C, so with every part": 2469,
 }
 """Instructions per period, of laws with a part for contact."""
 MOST = 1.05

@@ -134,8 +134,8 @@ def test_emulated_board_matches_bitwise(single, core):
     assert on_board(single, core, "board.elf") == "roll: 10000 samples, 0 differ\n"
 
 
-MOST_BYTES = 13_700
-"""Of code and data of four settings; docs/how-to/export.md states 13.3 KiB."""
+MOST_BYTES = 12_400
+"""Of code and data of four settings; docs/how-to/export.md states 12.0 KiB."""
 
 
 @pytest.mark.slow

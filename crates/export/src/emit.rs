@@ -5,6 +5,7 @@ use crate::body::Body;
 use crate::controller::{Job, Program, is_flag, name_of, place_of};
 use crate::operands::operands_of;
 use crate::statement::{Statement, Value, What, marked, text};
+use crate::stores::{Store, interleaved};
 use crate::trace::{Node, Origin};
 use crate::writer::{Numbers, Writer};
 use std::collections::BTreeSet;
@@ -114,20 +115,27 @@ pub(crate) fn program(
     let outputs = program.outputs.iter().map(|&(what, node)| (node, what.replace('[', "_").replace(']', "")));
     let mut body = Body::of(writer, graph, &wanted(program, states), &called.chain(outputs).collect::<Vec<_>>());
     body.write_all();
-    let result = |pointer, name: &str, value: String| {
+    let result = |pointer, name: &str, value: &str| {
         let what = What::Says(format!("{}->{name} = {value};", marked(pointer)));
         Statement { origin: RESULT, what }
     };
-    let results = program.outputs.iter().map(|&(what, node)| result("out", what, body.spelled(node)));
+    let results = program.outputs.iter().map(|&(what, node)| result("out", what, &body.spelled(node)));
     let mut results: Vec<Statement> = results.collect();
+    let mut stores = Vec::new();
     for (node, name, place) in next {
         let node_of = &graph.nodes[node as usize];
         if !matches!(node_of, &Node::Input(same) | &Node::Flag(same) | &Node::Word(same) if same == place) {
-            results.push(result("state", &name, body.spelled(node)));
+            let value = body.spelled(node);
+            if checked && GIVEN.contains(&&*name) {
+                results.push(result("state", &name, &value));
+            } else {
+                stores.push(Store { statement: result("state", &name, &value), name, value });
+            }
         }
     }
     let sum: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
-    let (mut statements, operations) = body.statements();
+    let (statements, operations) = body.statements();
+    let mut statements = interleaved(statements, stores);
     if checked {
         let good = Value { kind: "bool".to_owned(), name: "good".to_owned(), size: String::new() };
         let is_number = What::Makes(good, format!("{}_is_number({});", writer.name, sum.join(" + ")));
