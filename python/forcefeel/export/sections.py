@@ -46,7 +46,7 @@ class Section:
 
 
 SECTIONS = {
-    "inputs": Section("Inputs and state", "y, xi, delta, delta' of this sample", "control.rs", BITS),
+    "inputs": Section("Inputs", "y of this sample", "control.rs", BITS),
     "tuning": Section(
         "Coefficients of the feel from the rows that are tuned",
         "torque mu R_p F, slope F / phi, friction mu R_p F / I",
@@ -220,7 +220,7 @@ SECTIONS = {
     "outputs": Section(
         "Programmed angle and rate; functions as bits", "theta = delta / (delta per angle)", "axis.rs", BITS, STATES
     ),
-    "result": Section("Outputs and next state, if all are numbers", "-", "control.rs", BITS),
+    "result": Section("Outputs and feel, if all are numbers", "-", "control.rs", BITS),
     "numbers": Section("Operations on numbers", "smaller, larger, within, with_sign, nearest, bits", "scalar.rs", BITS),
     "status": Section("Order of calls, range checks, status", "-", "law_inputs.rs", INPUT, STATUSES),
 }
@@ -242,7 +242,7 @@ SUPERVISED = {
         START,
         STATES,
     ),
-    "result": Section("Outputs and next state", "-", "axis.rs", BITS, STATES),
+    "result": Section("Outputs", "-", "axis.rs", BITS, STATES),
     "off": Section("State of an axis that is off", "-", "axis.rs", SAFE, STATES),
     "status": Section("Order of calls, settings that exist, status", "-", "axis.rs", CALLS, STATES),
 }
