@@ -101,7 +101,8 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     program.outputs.iter().map(|&(_, node)| node).chain(next).collect()
 }
 
-/// The statements of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
+/// The statements of a program, and its operations: as written, and in loops. If `checked`, nothing is given out of what is no number, and
+/// the feel stays where it was.
 pub(crate) fn program(
     writer: &mut Writer,
     program: &Program,

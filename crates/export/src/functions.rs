@@ -42,7 +42,14 @@ type Given = BTreeMap<usize, bool>;
 impl Period {
     /// The statements of a period in functions, the first of them with this number; the names of C begin with `name`.
     pub fn of(statements: Vec<Statement>, name: &str, first: usize) -> Self {
-        let (reads, others): (Vec<_>, _) = statements.into_iter().partition(|of| matches!(of.what, What::Reads(..)));
+        let (mut reads, others): (Vec<_>, _) =
+            statements.into_iter().partition(|of| matches!(of.what, What::Reads(..)));
+        // Each function begins with what it reads.
+        if let Some(origin) = reads.iter().map(|read| read.origin).find(|origin| origin.section == "inputs") {
+            for read in &mut reads {
+                read.origin = origin;
+            }
+        }
         let mut cut = Cut { name, next: first, functions: Vec::new() };
         let body = cut.shortened(others);
         let mut functions = cut.functions;

@@ -1,7 +1,7 @@
 //! Where a period reads its states, and where it keeps their next values.
 //!
-//! A state is read before its first use. Its next value is kept as soon as it is made and the last one is used no more. With all of them read at the start and
-//! kept at the end, most would wait on the stack in between: a tenth of a period's instructions.
+//! A state is read before its first use. Its next value is kept as soon as it is made and the last one is used no more. With all of them read at
+//! the start and kept at the end, most would wait on the stack in between: a tenth of a period's instructions.
 
 use crate::statement::{Statement, What, names};
 use std::collections::HashMap;
