@@ -5,9 +5,9 @@
 Beside each time stand the processor time, the largest memory, and the time before (two idle cores, another machine). A command must
 end with the status of a good or bad answer. `commission` runs on a minute of the bench of `examples/bench-2khz`.
 
-Two idle cores of one machine, s, in brackets the version of which the table's first times are, on that machine, too:
-envelope 33.1 (237), frontier 29.7 (142), law 11.7 (54.6), sweep 14.7 (26.8), design 7.1 (15.4); qualify 2.2 (5.3),
-simulate 1.1 (2.0). Of the 26 s of processor time of sweep, 13 are the steps, 4 their noise.
+Two idle cores of one machine, s; in brackets the version behind the column ``before``, on the same machine: envelope 33.1
+(237), frontier 29.7 (142), law 11.7 (54.6), sweep 14.7 (26.8), design 7.1 (15.4); qualify 2.2 (5.3), simulate 1.1 (2.0).
+Of the 26 s of processor time of sweep, 13 are the steps, 4 their noise.
 """
 
 import os

@@ -101,8 +101,8 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     program.outputs.iter().map(|&(_, node)| node).chain(next).collect()
 }
 
-/// The statements of a program, and its operations: as written, and in loops. If `checked`, nothing is given out of what is no number, and
-/// the feel stays where it was.
+/// The statements of a program, and its operations: as written, and in loops. If `checked`, and a result is no
+/// number, no output is written and the feel stays as it was.
 pub(crate) fn program(
     writer: &mut Writer,
     program: &Program,

@@ -13,7 +13,7 @@
 //! | [`operands`] | what each is made of as C writes it |
 //! | [`body`] | the statements of a program |
 //! | [`statement`] | a statement of C, before it is known in which function it stands |
-//! | [`stores`] | where states are read and kept |
+//! | [`stores`] | where states are loaded and stored |
 //! | [`functions`] | a long period cut into functions |
 //! | [`writer`] | numbers, tables and functions that all of them share |
 //! | [`axis`] | law and feel under their supervisor, whose decisions are taken both ways |

@@ -1,7 +1,7 @@
 //! NumPy arrays to nalgebra matrices and back.
 
 use crate::errors::refused;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -22,6 +22,15 @@ pub fn vector<const N: usize>(name: &str, array: &PyReadonlyArray1<'_, f64>) -> 
     let values: Vec<f64> = array.as_array().iter().copied().collect();
     let came = values.len();
     values.try_into().map_err(|_| refused(format!("{name}: expected {N} values, got {came}")))
+}
+
+/// So many values, one at least, or a `ArgumentError` that names them.
+pub fn values(name: &str, array: &PyReadonlyArray1<'_, f64>, count: usize) -> PyResult<DVector<f64>> {
+    let values: Vec<f64> = array.as_array().iter().copied().collect();
+    if count == 0 || values.len() != count {
+        return Err(refused(format!("{name}: expected {count} values, one at least, got {}", values.len())));
+    }
+    Ok(DVector::from_vec(values))
 }
 
 /// Rows of a fixed number of values, one at least, or a `ArgumentError` that names them.

@@ -1,6 +1,6 @@
 //! The solvers.
 
-use crate::arrays::{Matrix, matrix, to_numpy, vector};
+use crate::arrays::{Matrix, matrix, to_numpy, values, vector};
 use crate::errors::{refused, threads as answered};
 use crate::limits::at_most;
 use crate::model::Columns;
@@ -11,7 +11,7 @@ use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use forcefeel_solve::stationary::{Stationary, stationary as stand_still};
 use forcefeel_solve::unit_circle::inside;
-use nalgebra::{DVector, Matrix4, Matrix4x2, RowVector4};
+use nalgebra::{Matrix4, Matrix4x2, RowVector4};
 use numpy::Complex64;
 use numpy::ndarray::ArrayView1;
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
@@ -81,13 +81,10 @@ pub fn propagated<'py>(
     start: PyReadonlyArray1<'py, f64>,
     inputs: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Matrix<'py>> {
-    let start: Vec<f64> = start.as_array().iter().copied().collect();
     let (steps, n) = inputs.as_array().dim();
-    if n == 0 || start.len() != n {
-        return Err(refused(format!("start: expected {n} values, one at least, got {}", start.len())));
-    }
+    let start = values("start", &start, n)?;
     let (phi, inputs) = (matrix("phi", &phi, (n, n))?, inputs.as_array().iter().copied().collect::<Vec<_>>());
-    let states = py.detach(|| forcefeel_solve::propagated(&phi, &start, &inputs));
+    let states = py.detach(|| forcefeel_solve::propagated(&phi, start.as_slice(), &inputs));
     PyArray1::from_vec(py, states).reshape([steps + 1, n])
 }
 
@@ -112,14 +109,7 @@ pub fn frequency_response<'py>(
     points: PyReadonlyArray1<'py, Complex64>,
 ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
     let n = a.as_array().nrows();
-    let [b, c] =
-        [("b", b), ("c", c)].map(|(name, vector)| (name, vector.as_array().iter().copied().collect::<Vec<_>>()));
-    for (name, vector) in [&b, &c] {
-        if n == 0 || vector.len() != n {
-            return Err(refused(format!("{name}: expected {n} values, one at least, got {}", vector.len())));
-        }
-    }
-    let (a, [b, c]) = (matrix("a", &a, (n, n))?, [b, c].map(|(_, vector)| DVector::from_vec(vector)));
+    let (a, b, c) = (matrix("a", &a, (n, n))?, values("b", &b, n)?, values("c", &c, n)?);
     let points: Vec<_> = points.as_array().iter().copied().collect();
     Ok(PyArray1::from_vec(py, py.detach(|| response(a, &b, &c, points.into_iter()))))
 }

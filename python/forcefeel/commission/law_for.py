@@ -46,8 +46,8 @@ def choose_law(
         tried = replace(envelope_plan, laws={name: envelope_plan.laws[name] for name in able})
         progress(f"{len(able)} laws over {envelope_plan.settings.count} settings")
         envelope = compute(tried, threads=threads)
-        chosen = [score for score in scores if score.name in able]
-        over = {score.name: score for score in score_over(tried, chosen, envelope, threads)}
+        eligible = [score for score in scores if score.name in able]
+        over = {score.name: score for score in score_over(tried, eligible, envelope, threads)}
         scored = replace(scored, scores=tuple(over.get(score.name, score) for score in scores))
     choice, failed = _passing(scored, plan, progress)
     lesser: tuple[str, ...] = ()
